@@ -1,0 +1,1 @@
+"""Discrete elements: particles in, loads on the facets out. Knows no liner, no wear, no case."""

@@ -1,0 +1,236 @@
+"""Forces between particles: the Verlet list in blocks, computed lane by lane so that the processor's vectors are full.
+
+Storeys: `respond` (scalars, contact.py), `pair_block` (one block of lanes), `pair_forces` (one chunk of particles). A chunk is a
+fixed range of particles chosen by their number alone, so results do not depend on the number of threads. Forces on a
+partner in another chunk wait in `remote` until its own chunk collects them, in an order that is fixed too.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from wearfem.dem.contact import Kinematics, Memory, Pair, respond
+from wearfem.jit import inlined, kernel
+from wearfem.vector import nearest
+
+LANES = 64  # contacts in a block
+
+# Rows of a block's working buffer, LANES numbers each.
+APART, CLOSING, SPIN, PARTNER_SPIN = 0, 3, 6, 9  # three rows each
+RADIUS, PARTNER_RADIUS, MASS, PARTNER_MASS, CONSTANTS = 12, 13, 14, 15, 16
+FORCE, TORQUE, PARTNER_TORQUE = 21, 24, 27  # three rows each
+DISSIPATED = 30  # [W] slip, change of stiffness, dashpots, rolling: summed over the steps
+ROWS = 34
+FAR = 1e9  # [m] between the two particles of a lane that is not in use
+
+# Columns of the packed copy of a particle that contacts read.
+PACKED = 12  # position, velocity, angular velocity, radius, mass, material
+
+MEMORY_ROWS = 8  # at most: displacement 3, stiffness 1, rolling 3, twisting 1
+
+
+class PairList(NamedTuple):
+    """Pairs of particles that may touch before the list is made anew, by chunk, padded to whole blocks."""
+
+    first: np.ndarray  # (p,) uint32, particle (unsigned: numba then skips its check for negative indices)
+    second: np.ndarray  # (p,) uint32, partner
+    memory: np.ndarray  # (p * rows,) by block, row, lane: see contact.Memory
+    block_start: np.ndarray  # (chunks,) int64, first block of a chunk
+    pair_end: np.ndarray  # (chunks,) int64, one past the last pair of a chunk; its last block is padded beyond
+    row_start: np.ndarray  # (n,) int64, first pair of a particle
+    row_count: np.ndarray  # (n,) int32, number of its pairs
+    slot: np.ndarray  # (p,) int32, place in `remote` of a pair whose partner lives in another chunk, else -1
+    remote: np.ndarray  # (slots, 6) [N, N m] for such partners
+    inbox_start: np.ndarray  # (chunks + 1,) int64
+    inbox: np.ndarray  # (slots, 2) int32, for the chunk that owns them: slot, particle
+
+
+@inlined
+def memory_rows(contact):
+    """Numbers that a contact of this law remembers; a constant to the compiler."""
+    return 4 + contact.rolling.memory_size() + contact.twisting.memory_size()
+
+
+@inlined
+def pair_block(contact, buffer, memory, period, time_step):
+    """All lanes of one block: forces and torques into `buffer`, memory kept in place. No branches: lanes apart get zeros."""
+    rolling = contact.rolling.memory_size()
+    twisting = contact.twisting.memory_size()
+    lx, ly, lz = period[0], period[1], period[2]
+    ix = 1.0 / lx if lx > 0.0 else 0.0
+    iy = 1.0 / ly if ly > 0.0 else 0.0
+    iz = 1.0 / lz if lz > 0.0 else 0.0
+    for q in range(LANES):
+        dx, dy, dz = buffer[q], buffer[LANES + q], buffer[2 * LANES + q]
+        dx -= lx * nearest(dx * ix)
+        dy -= ly * nearest(dy * iy)
+        dz -= lz * nearest(dz * iz)
+        radius, partner_radius = buffer[RADIUS * LANES + q], buffer[PARTNER_RADIUS * LANES + q]
+        mass, partner_mass = buffer[MASS * LANES + q], buffer[PARTNER_MASS * LANES + q]
+        distance = math.sqrt(dx * dx + dy * dy + dz * dz)
+        gap = radius + partner_radius - distance
+        touches = gap > 0.0
+        overlap = gap if touches else 1e-30
+        inverse = 1.0 / distance
+        nx, ny, nz = dx * inverse, dy * inverse, dz * inverse
+        share = 1.0 / (radius + partner_radius)
+        arm = radius - overlap * partner_radius * share
+        partner_arm = partner_radius - overlap * radius * share
+        ax, ay, az = buffer[SPIN * LANES + q], buffer[(SPIN + 1) * LANES + q], buffer[(SPIN + 2) * LANES + q]
+        bx = buffer[PARTNER_SPIN * LANES + q]
+        by = buffer[(PARTNER_SPIN + 1) * LANES + q]
+        bz = buffer[(PARTNER_SPIN + 2) * LANES + q]
+        ox, oy, oz = arm * ax + partner_arm * bx, arm * ay + partner_arm * by, arm * az + partner_arm * bz
+        touch = Kinematics(
+            overlap,
+            nx,
+            ny,
+            nz,
+            buffer[CLOSING * LANES + q] - (oy * nz - oz * ny),
+            buffer[(CLOSING + 1) * LANES + q] - (oz * nx - ox * nz),
+            buffer[(CLOSING + 2) * LANES + q] - (ox * ny - oy * nx),
+            ax - bx,
+            ay - by,
+            az - bz,
+            0.5 * ((ax + bx) * nx + (ay + by) * ny + (az + bz) * nz),
+        )
+        pair = Pair(
+            radius * partner_radius * share,
+            mass * partner_mass / (mass + partner_mass),
+            buffer[CONSTANTS * LANES + q],
+            buffer[(CONSTANTS + 1) * LANES + q],
+            buffer[(CONSTANTS + 2) * LANES + q],
+            buffer[(CONSTANTS + 3) * LANES + q],
+            buffer[(CONSTANTS + 4) * LANES + q],
+        )
+        held = Memory(
+            memory[q],
+            memory[LANES + q],
+            memory[2 * LANES + q],
+            memory[3 * LANES + q],
+            memory[4 * LANES + q] if rolling > 0 else 0.0,
+            memory[5 * LANES + q] if rolling > 0 else 0.0,
+            memory[6 * LANES + q] if rolling > 0 else 0.0,
+            memory[(4 + rolling) * LANES + q] if twisting > 0 else 0.0,
+        )
+        answer, kept = respond(contact, pair, touch, held, time_step)
+        on = 1.0 if touches else 0.0
+        fx, fy, fz = answer.fx * on, answer.fy * on, answer.fz * on
+        normal_force = answer.normal_force * on
+        mx, my, mz = answer.mx * on, answer.my * on, answer.mz * on
+        tx, ty, tz = ny * fz - nz * fy, nz * fx - nx * fz, nx * fy - ny * fx
+        buffer[FORCE * LANES + q] = normal_force * nx + fx
+        buffer[(FORCE + 1) * LANES + q] = normal_force * ny + fy
+        buffer[(FORCE + 2) * LANES + q] = normal_force * nz + fz
+        buffer[TORQUE * LANES + q] = mx - arm * tx
+        buffer[(TORQUE + 1) * LANES + q] = my - arm * ty
+        buffer[(TORQUE + 2) * LANES + q] = mz - arm * tz
+        buffer[PARTNER_TORQUE * LANES + q] = -mx - partner_arm * tx
+        buffer[(PARTNER_TORQUE + 1) * LANES + q] = -my - partner_arm * ty
+        buffer[(PARTNER_TORQUE + 2) * LANES + q] = -mz - partner_arm * tz
+        buffer[DISSIPATED * LANES + q] += answer.slip_power * on
+        buffer[(DISSIPATED + 1) * LANES + q] += answer.stiffness_power * on
+        buffer[(DISSIPATED + 2) * LANES + q] += answer.damping_power * on
+        buffer[(DISSIPATED + 3) * LANES + q] += answer.rolling_power * on
+        memory[q] = kept.sx * on
+        memory[LANES + q] = kept.sy * on
+        memory[2 * LANES + q] = kept.sz * on
+        memory[3 * LANES + q] = kept.stiffness * on
+        if rolling > 0:
+            memory[4 * LANES + q] = kept.rx * on
+            memory[5 * LANES + q] = kept.ry * on
+            memory[6 * LANES + q] = kept.rz * on
+        if twisting > 0:
+            memory[(4 + rolling) * LANES + q] = kept.twist * on
+
+
+@inlined
+def gather(table, packed, first, second, buffer, kind):
+    """Copy what one block's contacts read into its lanes; lanes beyond the last pair are put infinitely far apart."""
+    materials = len(table.friction)
+    for q in range(len(first)):
+        i, j = first[q], second[q]
+        buffer[q] = packed[i, 0] - packed[j, 0]
+        buffer[LANES + q] = packed[i, 1] - packed[j, 1]
+        buffer[2 * LANES + q] = packed[i, 2] - packed[j, 2]
+        buffer[CLOSING * LANES + q] = packed[i, 3] - packed[j, 3]
+        buffer[(CLOSING + 1) * LANES + q] = packed[i, 4] - packed[j, 4]
+        buffer[(CLOSING + 2) * LANES + q] = packed[i, 5] - packed[j, 5]
+        buffer[SPIN * LANES + q] = packed[i, 6]
+        buffer[(SPIN + 1) * LANES + q] = packed[i, 7]
+        buffer[(SPIN + 2) * LANES + q] = packed[i, 8]
+        buffer[PARTNER_SPIN * LANES + q] = packed[j, 6]
+        buffer[(PARTNER_SPIN + 1) * LANES + q] = packed[j, 7]
+        buffer[(PARTNER_SPIN + 2) * LANES + q] = packed[j, 8]
+        buffer[RADIUS * LANES + q] = packed[i, 9]
+        buffer[PARTNER_RADIUS * LANES + q] = packed[j, 9]
+        buffer[MASS * LANES + q] = packed[i, 10]
+        buffer[PARTNER_MASS * LANES + q] = packed[j, 10]
+        pairing = packed[i, 11] * materials + packed[j, 11]
+        if kind[q] != pairing:
+            kind[q] = pairing
+            one, other = int(packed[i, 11]), int(packed[j, 11])
+            buffer[CONSTANTS * LANES + q] = table.effective_modulus[one, other]
+            buffer[(CONSTANTS + 1) * LANES + q] = table.effective_shear_modulus[one, other]
+            buffer[(CONSTANTS + 2) * LANES + q] = table.damping_ratio[one, other]
+            buffer[(CONSTANTS + 3) * LANES + q] = table.friction[one, other]
+            buffer[(CONSTANTS + 4) * LANES + q] = table.rolling_friction[one, other]
+    for q in range(len(first), LANES):
+        buffer[q] = FAR
+        buffer[LANES + q] = 0.0
+        buffer[2 * LANES + q] = 0.0
+
+
+@inlined
+def scatter(wrench, remote, first, second, slot, buffer):
+    """Add one block's forces and torques to its particles, or leave them in `remote` for a partner elsewhere."""
+    for q in range(len(first)):
+        i, j = first[q], second[q]
+        fx, fy, fz = buffer[FORCE * LANES + q], buffer[(FORCE + 1) * LANES + q], buffer[(FORCE + 2) * LANES + q]
+        tx = buffer[PARTNER_TORQUE * LANES + q]
+        ty = buffer[(PARTNER_TORQUE + 1) * LANES + q]
+        tz = buffer[(PARTNER_TORQUE + 2) * LANES + q]
+        wrench[i, 0] += fx
+        wrench[i, 1] += fy
+        wrench[i, 2] += fz
+        wrench[i, 3] += buffer[TORQUE * LANES + q]
+        wrench[i, 4] += buffer[(TORQUE + 1) * LANES + q]
+        wrench[i, 5] += buffer[(TORQUE + 2) * LANES + q]
+        if slot[q] < 0:
+            wrench[j, 0] -= fx
+            wrench[j, 1] -= fy
+            wrench[j, 2] -= fz
+            wrench[j, 3] += tx
+            wrench[j, 4] += ty
+            wrench[j, 5] += tz
+        else:
+            k = slot[q]
+            remote[k, 0], remote[k, 1], remote[k, 2] = -fx, -fy, -fz
+            remote[k, 3], remote[k, 4], remote[k, 5] = tx, ty, tz
+
+
+@kernel
+def pair_forces(contact, table, packed, wrench, pairs, chunk, buffer, kind, period, time_step):
+    """Add the contact forces of one chunk's pairs to `wrench`; partners elsewhere get theirs through `pairs.remote`.
+
+    `buffer` (ROWS * LANES,) and `kind` (LANES,) are the chunk's own working memory; `kind` says which pair of materials the
+    constants in a lane belong to, so that they are looked up only where it changes.
+    """
+    width = memory_rows(contact) * LANES
+    end = pairs.pair_end[chunk]
+    for block in range(pairs.block_start[chunk], (end + LANES - 1) // LANES):
+        low, high = block * LANES, min((block + 1) * LANES, end)
+        first, second, slot = pairs.first[low:high], pairs.second[low:high], pairs.slot[low:high]
+        gather(table, packed, first, second, buffer, kind)
+        pair_block(contact, buffer, pairs.memory[block * width : (block + 1) * width], period, time_step)
+        scatter(wrench, pairs.remote, first, second, slot, buffer)
+
+
+@kernel
+def collect_remote(wrench, pairs, chunk):
+    """Add to the particles of one chunk what pairs of other chunks did to them."""
+    for k in range(pairs.inbox_start[chunk], pairs.inbox_start[chunk + 1]):
+        slot, j = pairs.inbox[k, 0], pairs.inbox[k, 1]
+        for c in range(6):
+            wrench[j, c] += pairs.remote[slot, c]

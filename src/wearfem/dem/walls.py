@@ -1,0 +1,467 @@
+"""Forces between particles and surfaces, and the loads that they leave on the facets.
+
+Storeys as in pairs.py: `respond` (scalars), `wall_forces_on` (one particle), `wall_forces` (one chunk).
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from wearfem.dem.contact import Kinematics, Memory, Pair, respond
+from wearfem.dem.geometry import height_above, share_overlap, touching_point
+from wearfem.dem.motion import ORIGIN, PIVOT, ROTATION, TURNING, VELOCITY
+from wearfem.dem.tally import (
+    ANGLE_CLASSES,
+    CONTACTS,
+    CUSTOM,
+    FORCE_CLASSES,
+    FRICTION_WORK,
+    LOAD_DISTANCE,
+    LOWEST_FORCE,
+    LOWEST_SPEED,
+    MOST_ENTRIES,
+    NORMAL,
+    SLIP,
+    SPEED_CLASSES,
+    SUMS,
+    TANGENTIAL,
+    TIME,
+    half_decade,
+)
+from wearfem.jit import compiled, inlined, kernel, parallel, prange
+from wearfem.vector import cross, dot, norm, tangent
+
+MOST_TOUCHING = 6  # wall contacts of one particle with a history
+MOST_CANDIDATES = 48  # triangles and planes that one sphere may overlap at once
+
+# Columns of a wall contact's record: contact point and normal in the body's frame, then contact.Memory.
+POINT, DIRECTION, MEMORY = 0, 3, 6
+SHARE = 14  # of its overlap that the contact has, see geometry.py
+RECORD = 15
+
+# Columns of a candidate: overlap, then point and normal in the world frame, then in the body's.
+OVERLAP, AT, ALONG = 0, 7, 10
+
+
+class WallList(NamedTuple):
+    """Particles near walls, the triangles and planes they may touch, and their contacts, one row a particle."""
+
+    particle: np.ndarray  # (m,) int32, ascending
+    row_of: np.ndarray  # (n,) int32, -1 for particles away from walls
+    candidate_start: np.ndarray  # (m + 1,) int64
+    candidate: np.ndarray  # (k,) int32, number of a triangle or plane
+    body: np.ndarray  # (m, MOST_TOUCHING) int32, of the contacts with history; -1 where there is none
+    record: np.ndarray  # (m, MOST_TOUCHING, RECORD)
+    chunk_start: np.ndarray  # (chunks + 1,) int64, first row of a chunk
+
+
+@inlined
+def into_body(pose, b, x, y, z):
+    """R^T v: a vector of the world frame in the frame of body b."""
+    return (
+        pose[b, ROTATION] * x + pose[b, ROTATION + 3] * y + pose[b, ROTATION + 6] * z,
+        pose[b, ROTATION + 1] * x + pose[b, ROTATION + 4] * y + pose[b, ROTATION + 7] * z,
+        pose[b, ROTATION + 2] * x + pose[b, ROTATION + 5] * y + pose[b, ROTATION + 8] * z,
+    )
+
+
+@inlined
+def into_world(pose, b, x, y, z):
+    """R v: a vector of the frame of body b in the world frame."""
+    return (
+        pose[b, ROTATION] * x + pose[b, ROTATION + 1] * y + pose[b, ROTATION + 2] * z,
+        pose[b, ROTATION + 3] * x + pose[b, ROTATION + 4] * y + pose[b, ROTATION + 5] * z,
+        pose[b, ROTATION + 6] * x + pose[b, ROTATION + 7] * y + pose[b, ROTATION + 8] * z,
+    )
+
+
+@inlined
+def point_into_body(pose, b, x, y, z):
+    """A point of the world frame in the frame of body b."""
+    return into_body(pose, b, x - pose[b, ORIGIN], y - pose[b, ORIGIN + 1], z - pose[b, ORIGIN + 2])
+
+
+@inlined
+def touching_candidates(geometry, pose, walls, row, x, y, z, radius, found, item):
+    """Fill `found` with the candidates that the sphere overlaps, and `item` with their numbers; returns how many."""
+    count = 0
+    body, bx, by, bz = -1, x, y, z
+    for k in range(walls.candidate_start[row], walls.candidate_start[row + 1]):
+        one = walls.candidate[k]
+        owner = geometry.body[one]
+        if owner != body:
+            body = owner
+            bx, by, bz = point_into_body(pose, body, x, y, z)
+        overlap, px, py, pz, nx, ny, nz = touching_point(geometry, one, bx, by, bz, radius)
+        if overlap > 0.0 and count < MOST_CANDIDATES:
+            item[count] = one
+            found[count, OVERLAP] = overlap
+            found[count, AT], found[count, AT + 1], found[count, AT + 2] = px, py, pz
+            found[count, ALONG], found[count, ALONG + 1], found[count, ALONG + 2] = nx, ny, nz
+            count += 1
+    return count
+
+
+@inlined
+def candidates_into_world(geometry, pose, found, item, count):
+    """Add contact points and normals in the world frame, where candidates of different bodies can be compared."""
+    for a in range(count):
+        b = geometry.body[item[a]]
+        x, y, z = into_world(pose, b, found[a, AT], found[a, AT + 1], found[a, AT + 2])
+        found[a, 1], found[a, 2], found[a, 3] = x + pose[b, ORIGIN], y + pose[b, ORIGIN + 1], z + pose[b, ORIGIN + 2]
+        x, y, z = into_world(pose, b, found[a, ALONG], found[a, ALONG + 1], found[a, ALONG + 2])
+        found[a, 4], found[a, 5], found[a, 6] = x, y, z
+
+
+@inlined
+def matching_record(walls, row, body, found, a, radius, taken):
+    """The old contact that candidate a continues: the nearest of the same body that faces the same way; -1 for a new contact."""
+    best, nearest = -1, 0.25 * radius * radius
+    for k in range(MOST_TOUCHING):
+        if walls.body[row, k] == body and not taken[k]:
+            square, same = 0.0, 0.0
+            for c in range(3):
+                apart = found[a, AT + c] - walls.record[row, k, POINT + c]
+                square += apart * apart
+                same += found[a, ALONG + c] * walls.record[row, k, DIRECTION + c]
+            if square < nearest and same > 0.5:
+                best, nearest = k, square
+    return best
+
+
+class Scratch(NamedTuple):
+    """Working memory of one chunk's wall contacts."""
+
+    found: np.ndarray  # (MOST_CANDIDATES, 13): overlap, point and normal in the world frame, then in the body's
+    item: np.ndarray  # (MOST_CANDIDATES,) int32
+    share: np.ndarray  # (MOST_CANDIDATES,)
+    record: np.ndarray  # (MOST_TOUCHING, RECORD)
+    body: np.ndarray  # (MOST_TOUCHING,) int32
+    taken: np.ndarray  # (MOST_TOUCHING,) bool
+
+
+@inlined
+def wall_touch(packed, i, geometry, pose, body, found, a):
+    """How particle i moves against candidate a, in the body's frame, where the surface is at rest."""
+    ux = packed[i, 0] - pose[body, PIVOT]
+    uy = packed[i, 1] - pose[body, PIVOT + 1]
+    uz = packed[i, 2] - pose[body, PIVOT + 2]
+    ox, oy, oz = pose[body, TURNING], pose[body, TURNING + 1], pose[body, TURNING + 2]
+    vx, vy, vz = into_body(
+        pose,
+        body,
+        packed[i, 3] - pose[body, VELOCITY] - (oy * uz - oz * uy),
+        packed[i, 4] - pose[body, VELOCITY + 1] - (oz * ux - ox * uz),
+        packed[i, 5] - pose[body, VELOCITY + 2] - (ox * uy - oy * ux),
+    )
+    wx, wy, wz = into_body(pose, body, packed[i, 6] - ox, packed[i, 7] - oy, packed[i, 8] - oz)
+    overlap, nx, ny, nz = found[a, OVERLAP], found[a, ALONG], found[a, ALONG + 1], found[a, ALONG + 2]
+    arm = packed[i, 9] - overlap
+    touch = Kinematics(
+        overlap,
+        nx,
+        ny,
+        nz,
+        vx - arm * (wy * nz - wz * ny),
+        vy - arm * (wz * nx - wx * nz),
+        vz - arm * (wx * ny - wy * nx),
+        wx,
+        wy,
+        wz,
+        0.5 * (wx * nx + wy * ny + wz * nz),
+    )
+    return touch, vx * vx + vy * vy + vz * vz
+
+
+@inlined
+def _work_of_wall(pose, body, found, a, px, py, pz, gx, gy, gz, mx, my, mz):
+    """Power [W] that a moving wall gives: force times its velocity at the contact, couple times its turning."""
+    ox, oy, oz = pose[body, TURNING], pose[body, TURNING + 1], pose[body, TURNING + 2]
+    x, y, z = px - pose[body, PIVOT], py - pose[body, PIVOT + 1], pz - pose[body, PIVOT + 2]
+    power = gx * (pose[body, VELOCITY] + oy * z - oz * y)
+    power += gy * (pose[body, VELOCITY + 1] + oz * x - ox * z)
+    power += gz * (pose[body, VELOCITY + 2] + ox * y - oy * x)
+    bx, by, bz = into_world(pose, body, mx, my, mz)
+    return power + bx * ox + by * oy + bz * oz
+
+
+@inlined
+def _same_place(geometry, found, item, a, b, radius):
+    """Whether candidates a and b are one point on the joint of two triangles, which then share its loads."""
+    if a == b:
+        return True
+    if geometry.body[item[a]] != geometry.body[item[b]] or geometry.facet[item[b]] < 0:
+        return False
+    dx, dy, dz = found[a, AT] - found[b, AT], found[a, AT + 1] - found[b, AT + 1], found[a, AT + 2] - found[b, AT + 2]
+    return dx * dx + dy * dy + dz * dz < 1e-18 * radius * radius
+
+
+@inlined
+def _leave_loads(custom, geometry, tally, chunk, found, item, count, a, touch, answer, fresh, energy, part, radius, time_step):
+    """Enter what contact a did to its facet; on a joint, equal parts for each triangle there."""
+    approach = -dot(touch.vx, touch.vy, touch.vz, touch.nx, touch.ny, touch.nz)
+    sx, sy, sz = tangent(touch.vx, touch.vy, touch.vz, touch.nx, touch.ny, touch.nz)
+    sliding = norm(sx, sy, sz)
+    pressing = answer.normal_force * part
+    friction = norm(answer.fx, answer.fy, answer.fz) * part
+    force_class = half_decade(pressing, LOWEST_FORCE, FORCE_CLASSES)
+    angle_class, speed_class = 0, 0
+    if fresh:
+        angle = math.degrees(math.atan2(max(approach, 0.0), sliding))
+        angle_class = min(int(angle * ANGLE_CLASSES / 90.0), ANGLE_CLASSES - 1)
+        speed_class = half_decade(math.sqrt(sliding * sliding + approach * approach), LOWEST_SPEED, SPEED_CLASSES)
+    ties = 1
+    if count > 1:
+        ties = 0
+        for b in range(count):
+            ties += _same_place(geometry, found, item, a, b, radius)
+    portion = part / ties
+    for b in range(count):
+        if _same_place(geometry, found, item, a, b, radius):
+            e = tally.start[chunk] + tally.filled[chunk]
+            tally.filled[chunk] += 1
+            tally.entry[e, NORMAL] = answer.normal_force * time_step * portion
+            tally.entry[e, TANGENTIAL] = -answer.fx * time_step * portion
+            tally.entry[e, TANGENTIAL + 1] = -answer.fy * time_step * portion
+            tally.entry[e, TANGENTIAL + 2] = -answer.fz * time_step * portion
+            tally.entry[e, FRICTION_WORK] = answer.slip_power * time_step * portion
+            tally.entry[e, LOAD_DISTANCE] = answer.normal_force * sliding * time_step * portion
+            tally.entry[e, SLIP] = answer.slip * portion
+            tally.entry[e, TIME] = time_step * portion
+            tally.entry[e, CONTACTS] = portion if fresh else 0.0
+            tally.entry[e, CUSTOM] = custom.amount(pressing, friction, sliding, approach, time_step) / ties
+            tally.entry[e, SUMS] = energy * portion
+            tally.where[e, 0] = geometry.facet[item[b]]
+            tally.where[e, 1], tally.where[e, 2], tally.where[e, 3] = force_class, angle_class, speed_class
+
+
+@inlined
+def wall_forces_on(
+    contact, custom, table, geometry, pose, packed, wrench, walls, tally, row, chunk, scratch, work, time_step
+):  # fmt: skip
+    """Contact forces of one particle with all walls."""
+    i = walls.particle[row]
+    found, item, share, record = scratch.found, scratch.item, scratch.share, scratch.record
+    radius, mass, mine = packed[i, 9], packed[i, 10], int(packed[i, 11])
+    count = touching_candidates(geometry, pose, walls, row, packed[i, 0], packed[i, 1], packed[i, 2], radius, found, item)
+    acting = 0
+    share[0] = 1.0
+    if count > 0:
+        candidates_into_world(geometry, pose, found, item, count)
+        for k in range(MOST_TOUCHING):
+            scratch.taken[k] = False
+    if count > 1:
+        share_overlap(found, count, radius, share)
+    for a in range(count):
+        if share[a] == 0.0 or acting == MOST_TOUCHING:
+            continue
+        part, body, other = share[a], geometry.body[item[a]], geometry.material[item[a]]
+        touch, square = wall_touch(packed, i, geometry, pose, body, found, a)
+        pair = Pair(
+            radius,
+            mass,
+            table.effective_modulus[mine, other],
+            table.effective_shear_modulus[mine, other],
+            table.damping_ratio[mine, other],
+            table.friction[mine, other],
+            table.rolling_friction[mine, other],
+        )
+        k = matching_record(walls, row, body, found, a, radius, scratch.taken)
+        known = k >= 0
+        if known:
+            scratch.taken[k] = True
+        m = max(k, 0)
+        held = Memory(
+            walls.record[row, m, MEMORY] if known else 0.0,
+            walls.record[row, m, MEMORY + 1] if known else 0.0,
+            walls.record[row, m, MEMORY + 2] if known else 0.0,
+            walls.record[row, m, MEMORY + 3] if known else 0.0,
+            walls.record[row, m, MEMORY + 4] if known else 0.0,
+            walls.record[row, m, MEMORY + 5] if known else 0.0,
+            walls.record[row, m, MEMORY + 6] if known else 0.0,
+            walls.record[row, m, MEMORY + 7] if known else 0.0,
+        )
+        answer, kept = respond(contact, pair, touch, held, time_step)
+        scratch.body[acting] = body
+        for c in range(3):
+            record[acting, POINT + c], record[acting, DIRECTION + c] = found[a, AT + c], found[a, ALONG + c]
+        record[acting, MEMORY], record[acting, MEMORY + 1], record[acting, MEMORY + 2] = kept.sx, kept.sy, kept.sz
+        record[acting, MEMORY + 3] = kept.stiffness
+        record[acting, MEMORY + 4], record[acting, MEMORY + 5], record[acting, MEMORY + 6] = kept.rx, kept.ry, kept.rz
+        record[acting, MEMORY + 7], record[acting, SHARE] = kept.twist, part
+        acting += 1
+
+        arm = radius - touch.overlap
+        fx, fy, fz = answer.fx * part, answer.fy * part, answer.fz * part
+        mx, my, mz = answer.mx * part, answer.my * part, answer.mz * part
+        push = answer.normal_force * part
+        tx, ty, tz = cross(touch.nx, touch.ny, touch.nz, fx, fy, fz)
+        gx, gy, gz = into_world(pose, body, fx + push * touch.nx, fy + push * touch.ny, fz + push * touch.nz)
+        hx, hy, hz = into_world(pose, body, mx - arm * tx, my - arm * ty, mz - arm * tz)
+        wrench[i, 0] += gx
+        wrench[i, 1] += gy
+        wrench[i, 2] += gz
+        wrench[i, 3] += hx
+        wrench[i, 4] += hy
+        wrench[i, 5] += hz
+        work[chunk, 3] += answer.slip_power * part * time_step
+        work[chunk, 4] += answer.stiffness_power * part * time_step
+        work[chunk, 5] += answer.damping_power * part * time_step
+        work[chunk, 6] += answer.rolling_power * part * time_step
+        if geometry.moves[body]:
+            power = _work_of_wall(
+                pose, body, found, a, found[a, 1], found[a, 2], found[a, 3], gx, gy, gz, mx, my, mz
+            )  # fmt: skip
+            work[chunk, 7] += power * time_step
+        if geometry.facet[item[a]] >= 0:
+            energy = 0.0 if known else 0.5 * mass * square
+            _leave_loads(
+                custom, geometry, tally, chunk, found, item, count, a, touch, answer, not known, energy, part, radius, time_step
+            )  # fmt: skip
+    for k in range(MOST_TOUCHING):
+        if k < acting:
+            walls.body[row, k] = scratch.body[k]
+            for c in range(RECORD):
+                walls.record[row, k, c] = record[k, c]
+        else:
+            walls.body[row, k] = -1
+
+
+@kernel
+def wall_forces(contact, custom, table, geometry, pose, packed, wrench, walls, tally, chunk, scratch, work, time_step):
+    """Add the wall forces of one chunk's particles to `wrench` and their loads to the chunk's entries."""
+    room = tally.start[chunk + 1] - tally.start[chunk] - MOST_ENTRIES
+    for row in range(walls.chunk_start[chunk], walls.chunk_start[chunk + 1]):
+        if tally.filled[chunk] > room:
+            break
+        wall_forces_on(
+            contact, custom, table, geometry, pose, packed, wrench, walls, tally, row, chunk, scratch, work, time_step
+        )  # fmt: skip
+
+
+@kernel
+def near_walls(geometry, pose, position, radius, skin, low, high, counts, candidates):
+    """Candidates of particles [low, high): `counts` (n,) each; listed in `candidates` if there is room. Returns their number.
+
+    A triangle is a candidate if its plane and its bounding box are within reach.
+    """
+    found = 0
+    bodies = len(geometry.extent)
+    triangles = len(geometry.corner)
+    for i in range(low, high):
+        before = found
+        reach = radius[i] + skin
+        for plane in range(triangles, len(geometry.normal)):
+            x, y, z = point_into_body(pose, geometry.body[plane], position[i, 0], position[i, 1], position[i, 2])
+            if abs(height_above(geometry, plane, x, y, z)) < reach:
+                if found < len(candidates):
+                    candidates[found] = plane
+                found += 1
+        for body in range(bodies):
+            if geometry.cell_count[body, 0] == 0:
+                continue
+            x, y, z = point_into_body(pose, body, position[i, 0], position[i, 1], position[i, 2])
+            found = _near_triangles(geometry, body, x, y, z, reach, found, before, candidates)
+        counts[i] = found - before
+    return found
+
+
+@kernel
+def _near_triangles(geometry, body, x, y, z, reach, found, before, candidates):
+    """Append the triangles of one body within reach of a point in its frame, each once."""
+    size = geometry.cell_size[body]
+    cx, cy, cz = geometry.cell_count[body, 0], geometry.cell_count[body, 1], geometry.cell_count[body, 2]
+    ox, oy, oz = x - geometry.cell_origin[body, 0], y - geometry.cell_origin[body, 1], z - geometry.cell_origin[body, 2]
+    a0, a1 = max(int(math.floor((ox - reach) / size)), 0), min(int(math.floor((ox + reach) / size)), cx - 1)
+    b0, b1 = max(int(math.floor((oy - reach) / size)), 0), min(int(math.floor((oy + reach) / size)), cy - 1)
+    c0, c1 = max(int(math.floor((oz - reach) / size)), 0), min(int(math.floor((oz + reach) / size)), cz - 1)
+    mine = found
+    for a in range(a0, a1 + 1):
+        for b in range(b0, b1 + 1):
+            for c in range(c0, c1 + 1):
+                cell = geometry.cell_offset[body] + (a * cy + b) * cz + c
+                for k in range(geometry.cell_start[cell], geometry.cell_start[cell + 1]):
+                    t = geometry.cell_triangle[k]
+                    if abs(height_above(geometry, t, x, y, z)) >= reach:
+                        continue
+                    outside = False
+                    for axis in range(3):
+                        p, q, r = geometry.corner[t, axis], geometry.corner[t, 3 + axis], geometry.corner[t, 6 + axis]
+                        here = x if axis == 0 else (y if axis == 1 else z)
+                        outside = outside or here < min(p, q, r) - reach or here > max(p, q, r) + reach
+                    if outside:
+                        continue
+                    known = False
+                    for m in range(mine, min(found, len(candidates))):
+                        known = known or candidates[m] == t
+                    if not known:
+                        if found < len(candidates):
+                            candidates[found] = t
+                        found += 1
+    return found
+
+
+@parallel
+def near_walls_all(geometry, pose, position, radius, skin, bounds, counts, candidates, found):
+    """`near_walls` for all chunks."""
+    for chunk in prange(len(bounds) - 1):
+        found[chunk] = near_walls(
+            geometry, pose, position, radius, skin, bounds[chunk], bounds[chunk + 1], counts, candidates[chunk]
+        )
+
+
+def list_walls(geometry, pose, position, radius, bounds, skin, order, old):
+    """Particles near walls and their candidates, with the contacts of `old` handed on; `order` as in `hand_on_memory`."""
+    chunks, count = len(bounds) - 1, len(radius)
+    counts, found = np.zeros(count, np.int32), np.zeros(chunks, np.int64)
+    room = max(64, 4 * len(old.candidate) // chunks)
+    while True:
+        candidates = np.empty((chunks, room), np.int32)
+        near_walls_all(geometry, pose, position, radius, skin, bounds, counts, candidates, found)
+        if found.max() <= room:
+            break
+        room = int(found.max() * 1.2) + 1
+    particle = np.flatnonzero(counts).astype(np.int32)
+    row_of = np.full(count, -1, np.int32)
+    row_of[particle] = np.arange(len(particle))
+    was = old.row_of[order[particle]]
+    kept = was >= 0
+    body = np.full((len(particle), MOST_TOUCHING), -1, np.int32)
+    record = np.zeros((len(particle), MOST_TOUCHING, RECORD))
+    body[kept], record[kept] = old.body[was[kept]], old.record[was[kept]]
+    return WallList(
+        particle,
+        row_of,
+        np.concatenate([[0], np.cumsum(counts[particle])]),
+        np.concatenate([row[:size] for row, size in zip(candidates, found, strict=True)]),
+        body,
+        record,
+        np.searchsorted(particle, bounds),
+    )
+
+
+def empty_walls(count):
+    """No particle near a wall."""
+    return WallList(
+        np.empty(0, np.int32),
+        np.full(count, -1, np.int32),
+        np.zeros(1, np.int64),
+        np.empty(0, np.int32),
+        np.empty((0, MOST_TOUCHING), np.int32),
+        np.empty((0, MOST_TOUCHING, RECORD)),
+        np.zeros(2, np.int64),
+    )
+
+
+@compiled
+def new_scratch():
+    """Working memory for the wall contacts of one chunk."""
+    return Scratch(
+        np.zeros((MOST_CANDIDATES, 13)),
+        np.zeros(MOST_CANDIDATES, np.int32),
+        np.zeros(MOST_CANDIDATES),
+        np.zeros((MOST_TOUCHING, RECORD)),
+        np.zeros(MOST_TOUCHING, np.int32),
+        np.zeros(MOST_TOUCHING, np.bool_),
+    )
