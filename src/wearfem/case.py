@@ -15,7 +15,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from wearfem.errors import UserError, one_of
+from wearfem.errors import UserError, in_words
 from wearfem.settings import Value, check_settings, did_you_mean
 
 if TYPE_CHECKING:
@@ -181,7 +181,7 @@ class Case:
         names = [stage.name for stage in self.stages]
         if not names or len(set(names)) < len(names):
             raise UserError(
-                f"case {self.name} has the stages {one_of(names)}: it needs some, each with its own name"
+                f"case {self.name} has the stages {in_words(names)}: it needs some, each with its own name"
             )
 
 
@@ -211,7 +211,7 @@ def find_case(folder: Path) -> Path:
     )
     problem = f"{folder} has no file case.py" if folder.is_dir() else f"there is no case {folder}"
     advice = (
-        f"the cases here are {one_of(existing)}"
+        f"the cases here are {in_words(existing)}"
         if existing
         else "give the path of a folder that holds a case.py"
     )

@@ -3,6 +3,7 @@
 import os
 import sys
 from pathlib import Path
+from typing import NoReturn
 
 import click
 
@@ -93,7 +94,7 @@ def main() -> None:
     sys.exit(status or 0)
 
 
-def stop(sentence: str, code: int) -> None:
+def stop(sentence: str, code: int) -> NoReturn:
     """Print the sentence on the error stream and end."""
     print(f"wearfem: {sentence}", file=sys.stderr)
     sys.exit(code)

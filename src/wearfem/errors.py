@@ -1,5 +1,7 @@
 """The one exception for what a user can put right."""
 
+from collections.abc import Sequence
+
 
 class UserError(Exception):
     """A mistake of the user, or of the user's machine, told in one sentence.
@@ -9,8 +11,8 @@ class UserError(Exception):
     """
 
 
-def one_of(names: list[str] | tuple[str, ...]) -> str:
+def in_words(names: Sequence[str], join: str = "and") -> str:
     """The names as words of a sentence: `a, b and c`, or `none`."""
     if len(names) < 2:
         return names[0] if names else "none"
-    return f"{', '.join(names[:-1])} and {names[-1]}"
+    return f"{', '.join(names[:-1])} {join} {names[-1]}"

@@ -7,6 +7,7 @@ leaves half a file under a final name.
 import json
 import os
 import platform
+import re
 import subprocess
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -197,8 +198,15 @@ def _plain(content: Any) -> Any:
 @contextmanager
 def hdf5_file(path: Path) -> Iterator[h5py.File]:
     """An HDF5 file to fill; it appears under its name when it is complete."""
-    with whole_file(path) as temporary, h5py.File(temporary, "w") as file:
-        yield file
+    with whole_file(path) as temporary:
+        try:
+            with h5py.File(temporary, "w") as file:
+                yield file
+        except RuntimeError as error:  # what h5py raises when the last flush does not fit on the disk
+            number = re.search(r"errno = (\d+)", str(error))
+            if number is None:
+                raise
+            raise OSError(int(number[1]), "HDF5 could not write") from error
 
 
 def write_loads(group: h5py.Group, loads: Any) -> None:

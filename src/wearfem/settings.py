@@ -1,7 +1,7 @@
 """Settings from the command line: `--set "throughput=900*tonne/hour"` becomes `{"throughput": 250.0}`.
 
-A value is arithmetic on numbers and the names of `wearfem.units`, `true` or `false`, a word, quoted text, or a
-comma list of these. Nothing else is evaluated.
+A value is arithmetic on numbers and the names of `wearfem.units`, `true` or `false`, a word, quoted text, or
+a comma list of these. Nothing else is evaluated.
 """
 
 import ast
@@ -14,7 +14,7 @@ from difflib import get_close_matches
 from typing import Any, Literal, get_args, get_origin
 
 from wearfem import units
-from wearfem.errors import UserError, one_of
+from wearfem.errors import UserError, in_words
 
 Value = float | int | bool | str | tuple[Any, ...]
 
@@ -85,7 +85,7 @@ def _number(node: ast.expr) -> float | int:
         case ast.Name(id=name):
             if name not in UNITS:
                 raise UserError(
-                    f"{name} is not a unit{did_you_mean(name, UNITS)}; the units are {one_of(list(UNITS))}"
+                    f"{name} is not a unit{did_you_mean(name, UNITS)}; the units are {in_words(list(UNITS))}"
                 )
             value = UNITS[name]
         case ast.UnaryOp(op=ast.USub(), operand=operand):
@@ -139,7 +139,8 @@ def _like_default(keyword: str, value: Value, parameter: inspect.Parameter) -> A
     default, annotation = parameter.default, parameter.annotation
     choices = get_args(annotation) if get_origin(annotation) is Literal else ()
     if choices and value not in choices:
-        raise UserError(f"{keyword} was given {value!r}, but it can be {one_of([str(c) for c in choices])}")
+        allowed = in_words([str(choice) for choice in choices], "or")
+        raise UserError(f"{keyword} was given {value!r}, but it can be {allowed}")
     if isinstance(default, bool):
         return _expect(isinstance(value, bool), keyword, value, "true or false", default)
     if isinstance(default, str):
