@@ -85,7 +85,7 @@ def main() -> None:
     except UserError as error:
         stop(str(error), 2)
     except click.ClickException as error:
-        stop(f"{error.format_message().rstrip('.')}; see wearfem --help", 2)
+        stop(f"{error.format_message().rstrip('.?')}; see wearfem --help", 2)
     except (KeyboardInterrupt, click.Abort):
         stop("interrupted; what was written so far is whole", 130)
     except BrokenPipeError:  # the reader of a pipe has seen enough
@@ -96,7 +96,7 @@ def main() -> None:
 
 def stop(sentence: str, code: int) -> NoReturn:
     """Print the sentence on the error stream and end."""
-    print(f"wearfem: {sentence}", file=sys.stderr)
+    print(f"wearfem: {sentence.rstrip('.')}.", file=sys.stderr)
     sys.exit(code)
 
 

@@ -76,7 +76,7 @@ def test_run_passes_on_what_it_was_given(wearfem, stand_in):
 def test_a_users_mistake_is_one_sentence_and_code_2(wearfem, stand_in):
     stand_in("run", "run_case", raising(UserError("there is no case x; the cases here are none")))
     result = wearfem("run", "x")
-    assert (result.code, result.err) == (2, "wearfem: there is no case x; the cases here are none\n")
+    assert (result.code, result.err) == (2, "wearfem: there is no case x; the cases here are none.\n")
 
 
 def test_a_malformed_setting_is_code_2(wearfem, stand_in):
@@ -97,7 +97,7 @@ def test_an_interrupt_is_a_sentence_and_code_130(wearfem, stand_in):
     stand_in("run", "run_case", raising(KeyboardInterrupt()))
     result = wearfem("run", "x")
     assert result.code == 130
-    assert result.err.strip() == "wearfem: interrupted; what was written so far is whole"
+    assert result.err.strip() == "wearfem: interrupted; what was written so far is whole."
 
 
 def test_a_bug_keeps_its_traceback(monkeypatch, stand_in):
