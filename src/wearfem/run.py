@@ -33,7 +33,7 @@ def run_case(
     settings
         Keywords of the case [SI].
     out
-        The run folder to make; where none is given, the first free of `runs/<case>`, `runs/<case>-2` and so on.
+        The run folder to make; without it the first free one of `runs/<case>`, `runs/<case>-2`, ...
     json_file
         Where else to write the figures.
     quiet
