@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 RAYLEIGH_SHARE = 0.4  # of the Rayleigh time, above which a time step is worth a warning [-]
 COLLISION_STEPS = 20  # below which an impact is resolved poorly [-]
 OVERLAP_SHARE = 0.01  # of the radius, above which particles are too soft [-]
-BYTES_PER_PARTICLE = 1000.0  # state, contacts and neighbours [B]
-PARTICLE_STEPS_PER_SECOND = 5e6  # on two cores; `wearfem bench` measures it on this machine [1/s]
+BYTES_PER_PARTICLE = 1000.0  # state, contacts and neighbours: a round estimate [B]
+PARTICLE_STEPS_PER_SECOND = 5e6  # on two cores: a round estimate, which `wearfem bench` measures [1/s]
 
 
 @dataclass(frozen=True)

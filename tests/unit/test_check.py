@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from wearfem.case import Stage, Window
-
 from wearfem.check import (
     Facts,
     facts_of,
