@@ -1,12 +1,13 @@
 """The eight impact tests of Chung and Ooi (2011) as data, with the source of each number.
 
-Chung Y.C. and Ooi J.Y., "Benchmark tests for verifying discrete element modelling codes at particle impact level", Granular Matter 13
-(2011) 643-656, doi 10.1007/s10035-011-0277-0. The paper itself was not at hand: every parameter is read from input files that others
-published for these tests, and from curves that they digitised from the paper's figures; `confirmed_by` names them, `unconfirmed` says
-what rests on one source, on a reading of a graph, or on our choice.
+Chung Y.C. and Ooi J.Y., "Benchmark tests for verifying discrete element modelling codes at particle impact
+level", Granular Matter 13 (2011) 643-656, doi 10.1007/s10035-011-0277-0. The paper itself was not at hand:
+every parameter is read from input files that others published for these tests, and from curves that they
+digitised from the paper's figures; `confirmed_by` names them, `unconfirmed` says what rests on one source,
+on a reading of a graph, or on our choice.
 
-Conventions of motion and sign are those of `impact_theory`: body 1 above body 2, x along the plane, angular velocity positive
-anticlockwise, so a positive spin or velocity of body 1 moves its surface along +x.
+Conventions of motion and sign are those of `rigid_impact`: body 1 above body 2, x along the plane, angular
+velocity positive anticlockwise, so a positive spin or velocity of body 1 moves its surface along +x.
 """
 
 from __future__ import annotations
@@ -14,12 +15,19 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from wearfem.verification.impact_theory import Body, Impact, Plane, Sphere
+from wearfem.verification.impact_theory import Body, Plane, Sphere
+from wearfem.verification.rigid_impact import Impact
 
 YADE = "Yade, benchmark scripts 'Chung and Ooi (2011)' Test1-Test4.py (Angelidakis, Chareyre and Caulk, 2023)"
-KRATOS = "KratosMultiphysics/Kratos, DEMApplication: basic_benchmarks/benchmark<n>DEM.mdpa and DEM_benchmarks_class.py"
+KRATOS = (
+    "KratosMultiphysics/Kratos, DEMApplication: basic_benchmarks/benchmark<n>DEM.mdpa "
+    "and DEM_benchmarks_class.py"
+)
 PYSPH = "PySPH, discontinuous DEM examples 'Chung test <n>', which cite doi 10.1007/s10035-011-0277-0"
-GRAPHS = "figures of the paper as digitised in KratosMultiphysics/Kratos, DEM3D_chung_ooi_tests/.../benchmark<n>_graph<m>.dat"
+GRAPHS = (
+    "figures of the paper as digitised in KratosMultiphysics/Kratos, "
+    "DEM3D_chung_ooi_tests/.../benchmark<n>_graph<m>.dat"
+)
 
 
 @dataclass(frozen=True)
@@ -33,7 +41,9 @@ class Variant:
 
 @dataclass(frozen=True)
 class Comparison:
-    """What is held against what: the deviation allowed is relative (`relative`) or in the unit of the quantity."""
+    """What is held against what: the deviation allowed is relative (`relative`) or in the unit of the
+    quantity.
+    """
 
     quantity: str
     against: str
@@ -70,7 +80,10 @@ class ImpactTest:
     published: tuple[PublishedCurve, ...] = ()
 
 
-RIGID = "The plane is rigid (infinite modulus); Kratos gives its walls 1e20 Pa, Yade a thousand times the sphere, PySPH the sphere's own modulus."
+RIGID = (
+    "The plane is rigid (infinite modulus); Kratos gives its walls 1e20 Pa, Yade a "
+    "thousand times the sphere, PySPH the sphere's own modulus."
+)
 
 HERTZ = (
     Comparison("duration", "hertz_impact(...).duration", 0.005, True),
@@ -88,7 +101,9 @@ BESIDE_PARTIAL_SLIP = Comparison(
     True,
     MICRO_SLIP,
 )
-SAME_LAW = Comparison("psi_2 = kappa slip'/(mu v_n)", "spring_rebound (the same law, another integrator)", 0.01, False)
+SAME_LAW = Comparison(
+    "psi_2 = kappa slip'/(mu v_n)", "spring_rebound (the same law, another integrator)", 0.01, False
+)
 
 # -- materials: density kg/m3, elastic modulus Pa, Poisson ratio; each as in the tests below
 GLASS = (2800.0, 4.8e10, 0.20)
@@ -104,20 +119,24 @@ NYLON = (1000.0, 2.5e9, 0.40)
 COPPER = (8900.0, 1.2e11, 0.35)
 
 
-def _sphere(radius: float, material: tuple[float, float, float], stiffer: float = 1.0, denser: float = 1.0) -> Sphere:
+def _sphere(
+    radius: float, material: tuple[float, float, float], stiffer: float = 1.0, denser: float = 1.0
+) -> Sphere:
     density, modulus, poisson_ratio = material
     return Sphere(radius, denser * density, stiffer * modulus, poisson_ratio)
 
 
 def _on_rigid_plane(radius: float, **materials: tuple[float, float, float]) -> tuple[Variant, ...]:
     return tuple(
-        Variant(name.replace("_", " "), _sphere(radius, material), Plane(poisson_ratio=material[2])) for name, material in materials.items()
+        Variant(name.replace("_", " "), _sphere(radius, material), Plane(poisson_ratio=material[2]))
+        for name, material in materials.items()
     )
 
 
 def _alike(radius: float, **materials: tuple[float, float, float]) -> tuple[Variant, ...]:
     return tuple(
-        Variant(name.replace("_", " "), _sphere(radius, material), _sphere(radius, material)) for name, material in materials.items()
+        Variant(name.replace("_", " "), _sphere(radius, material), _sphere(radius, material))
+        for name, material in materials.items()
     )
 
 
@@ -134,7 +153,11 @@ NORMAL_SPHERES = ImpactTest(
     0.35,
     (1.0,),
     HERTZ,
-    (YADE + ": both materials, radius, 10 m/s each", KRATOS + ": limestone, radius, 10 m/s each", PYSPH + ": radius"),
+    (
+        YADE + ": both materials, radius, 10 m/s each",
+        KRATOS + ": limestone, radius, 10 m/s each",
+        PYSPH + ": radius",
+    ),
     ("Glass rests on Yade's script, and on the digitised force at 265 um, which fits glass within 0.1 %.",),
     (
         PublishedCurve(
@@ -156,7 +179,11 @@ NORMAL_PLANE = ImpactTest(
     0.0,
     (1.0,),
     HERTZ,
-    (YADE + ": both materials, radius, speed", KRATOS + ": aluminium alloy, radius, speed", PYSPH + ": radius"),
+    (
+        YADE + ": both materials, radius, speed",
+        KRATOS + ": aluminium alloy, radius, speed",
+        PYSPH + ": radius",
+    ),
     ("Magnesium alloy rests on Yade's script alone.", RIGID),
     (
         PublishedCurve(
@@ -184,7 +211,11 @@ RESTITUTION = ImpactTest(
         Comparison("maximum overlap", "damped_hertz_impact(...).maximum_overlap", 0.005, True),
     ),
     (YADE + ": both materials, radius, speed", KRATOS + ": aluminium oxide, radius, speed, e = 0, 0.2 .. 1"),
-    ("The paper sweeps e = 0 (or 0.2) to 1 in steps of 0.2; we sweep 0.1 to 1.0.", "Cast iron rests on Yade's script alone.", RIGID),
+    (
+        "The paper sweeps e = 0 (or 0.2) to 1 in steps of 0.2; we sweep 0.1 to 1.0.",
+        "Cast iron rests on Yade's script alone.",
+        RIGID,
+    ),
 )
 
 OBLIQUE_ANGLES = ImpactTest(
@@ -193,14 +224,17 @@ OBLIQUE_ANGLES = ImpactTest(
     _on_rigid_plane(0.0025, aluminium_oxide=ALUMINIUM_OXIDE, aluminium_alloy=ALUMINIUM_ALLOY),
     "incidence angle from the normal, 5 to 85 degrees",
     tuple(
-        Impact(3.9 * math.cos(math.radians(degrees)), (3.9 * math.sin(math.radians(degrees)), 0.0)) for degrees in INCIDENCE_DEGREES
+        Impact(3.9 * math.cos(math.radians(degrees)), (3.9 * math.sin(math.radians(degrees)), 0.0))
+        for degrees in INCIDENCE_DEGREES
     ),
     0.092,
     (0.98,),
     (
         Comparison("tangential restitution of the centre", "rigid_rebound", 0.01, True, SLIDING),
         Comparison("angular velocity after impact", "rigid_rebound", 0.01, True, SLIDING),
-        Comparison("rebound angle of the contact patch, atan(slip'/v_n')", "rigid_rebound", 0.01, True, SLIDING),
+        Comparison(
+            "rebound angle of the contact patch, atan(slip'/v_n')", "rigid_rebound", 0.01, True, SLIDING
+        ),
         SAME_LAW,
         BESIDE_PARTIAL_SLIP,
     ),
@@ -210,15 +244,27 @@ OBLIQUE_ANGLES = ImpactTest(
         PYSPH + ": both materials, radius, speed, friction, restitution",
         GRAPHS + ": the angles",
     ),
-    ("The angles are read from the digitised abscissae (4.90, 9.96, 14.93 .. 84.78 degrees) and rounded.", RIGID),
+    (
+        "The angles are read from the digitised abscissae (4.90, 9.96, 14.93 .. 84.78 degrees) and rounded.",
+        RIGID,
+    ),
     (
         PublishedCurve(
             "experiment of Kharaz, Gorham and Salman (2001), aluminium oxide on soda-lime glass",
             "incidence angle [degree]",
             "rebound angle of the contact patch [degree]",
             (
-                (2.10, 0.77), (3.94, 0.77), (9.72, -1.06), (20.31, -8.53), (30.16, -2.55), (39.12, 9.91),
-                (49.51, 30.02), (59.90, 49.95), (70.46, 66.90), (78.86, 78.87), (84.78, 85.68),
+                (2.10, 0.77),
+                (3.94, 0.77),
+                (9.72, -1.06),
+                (20.31, -8.53),
+                (30.16, -2.55),
+                (39.12, 9.91),
+                (49.51, 30.02),
+                (59.90, 49.95),
+                (70.46, 66.90),
+                (78.86, 78.87),
+                (84.78, 85.68),
             ),
             GRAPHS,
         ),
@@ -227,13 +273,24 @@ OBLIQUE_ANGLES = ImpactTest(
             "incidence angle [degree]",
             "rebound angle of the contact patch [degree]",
             (
-                (4.90, 3.76), (9.96, -1.56), (14.93, -5.54), (19.99, -7.54), (24.96, -7.54), (29.92, -3.55), (34.96, 3.43),
-                (39.92, 11.57), (49.83, 29.35), (59.99, 47.79), (69.74, 64.58), (79.82, 78.70), (84.78, 84.52),
+                (4.90, 3.76),
+                (9.96, -1.56),
+                (14.93, -5.54),
+                (19.99, -7.54),
+                (24.96, -7.54),
+                (29.92, -3.55),
+                (34.96, 3.43),
+                (39.92, 11.57),
+                (49.83, 29.35),
+                (59.99, 47.79),
+                (69.74, 64.58),
+                (79.82, 78.70),
+                (84.78, 84.52),
             ),
             GRAPHS,
         ),
     ),
-)  # fmt: skip
+)
 
 OBLIQUE_SPEEDS = ImpactTest(
     5,
@@ -265,9 +322,22 @@ OBLIQUE_SPEEDS = ImpactTest(
             "v_t/(mu v_n) [-]",
             "R w'/(mu v_n) [-]",
             (
-                (0.318, -0.187), (0.595, -0.406), (0.890, -0.665), (1.185, -0.982), (1.532, -1.355), (1.896, -1.793),
-                (2.277, -2.321), (2.763, -2.856), (3.301, -3.441), (3.890, -4.041), (4.688, -4.569), (5.659, -4.941),
-                (7.029, -4.941), (9.040, -4.972), (12.335, -4.970), (18.803, -4.975),
+                (0.318, -0.187),
+                (0.595, -0.406),
+                (0.890, -0.665),
+                (1.185, -0.982),
+                (1.532, -1.355),
+                (1.896, -1.793),
+                (2.277, -2.321),
+                (2.763, -2.856),
+                (3.301, -3.441),
+                (3.890, -4.041),
+                (4.688, -4.569),
+                (5.659, -4.941),
+                (7.029, -4.941),
+                (9.040, -4.972),
+                (12.335, -4.970),
+                (18.803, -4.975),
             ),
             GRAPHS,
         ),
@@ -276,14 +346,26 @@ OBLIQUE_SPEEDS = ImpactTest(
             "v_t/(mu v_n) [-]",
             "R w'/(mu v_n) [-]",
             (
-                (0.058, -0.106), (0.353, -0.430), (0.682, -0.820), (0.994, -1.250), (1.341, -1.664), (1.688, -2.094),
-                (2.000, -2.524), (2.329, -2.978), (2.988, -3.904), (3.318, -4.293), (3.994, -4.837), (5.000, -5.007),
-                (6.006, -5.006), (10.012, -5.004), (20.000, -4.991),
+                (0.058, -0.106),
+                (0.353, -0.430),
+                (0.682, -0.820),
+                (0.994, -1.250),
+                (1.341, -1.664),
+                (1.688, -2.094),
+                (2.000, -2.524),
+                (2.329, -2.978),
+                (2.988, -3.904),
+                (3.318, -4.293),
+                (3.994, -4.837),
+                (5.000, -5.007),
+                (6.006, -5.006),
+                (10.012, -5.004),
+                (20.000, -4.991),
             ),
             GRAPHS,
         ),
     ),
-)  # fmt: skip
+)
 
 SPINNING_PLANE = ImpactTest(
     6,
@@ -294,16 +376,23 @@ SPINNING_PLANE = ImpactTest(
     0.4,
     (0.5,),
     (
-        Comparison("tangential restitution of the contact, -slip'/slip", "rigid_rebound", 0.01, True, SLIDING),
+        Comparison(
+            "tangential restitution of the contact, -slip'/slip", "rigid_rebound", 0.01, True, SLIDING
+        ),
         Comparison("tan of the rebound angle, slip'/v_n'", "rigid_rebound", 0.01, True, SLIDING),
         SAME_LAW,
     ),
     (
         KRATOS + ": aluminium alloy, radius, normal speed, spins, friction, restitution",
         PYSPH + " 8: nylon's constants",
-        GRAPHS + " (test 8, curve 'sphere vs rigid surface (test 6)'): 3.5 mu (1 + e) v_n/v_s = 0.187 .. 23.97, so the spins",
+        GRAPHS + " (test 8, curve 'sphere vs rigid surface (test 6)'): 3.5 mu (1 + e) v_n/v_s = "
+        "0.187 .. 23.97, so the spins",
     ),
-    ("That nylon is the second material rests on the labels of Kratos's plots; its constants are those of PySPH's test 8.", RIGID),
+    (
+        "That nylon is the second material rests on the labels of Kratos's plots; its "
+        "constants are those of PySPH's test 8.",
+        RIGID,
+    ),
 )
 
 SPINNING_SPHERES = ImpactTest(
@@ -315,7 +404,12 @@ SPINNING_SPHERES = ImpactTest(
     0.4,
     (0.5,),
     (
-        Comparison("tangential velocity of the centres over R w", "0: the touching surfaces move together", 1e-9, False),
+        Comparison(
+            "tangential velocity of the centres over R w",
+            "0: the touching surfaces move together",
+            1e-9,
+            False,
+        ),
         Comparison("angular velocity after impact", "that before impact", 1e-9, True),
     ),
     (
@@ -323,7 +417,10 @@ SPINNING_SPHERES = ImpactTest(
         PYSPH + ": copper, radius, 0.2 m/s each, friction, restitution",
         GRAPHS + " (test 7): angular velocities before and after are the same numbers",
     ),
-    ("PySPH prints 7e11 Pa for the aluminium alloy of this test, 7e10 Pa in all its others and in Kratos: 7e10 is taken.",),
+    (
+        "PySPH prints 7e11 Pa for the aluminium alloy of this test, 7e10 Pa in all its "
+        "others and in Kratos: 7e10 is taken.",
+    ),
 )
 
 SPINNING_UNLIKE = ImpactTest(
@@ -339,17 +436,27 @@ SPINNING_UNLIKE = ImpactTest(
     0.4,
     (0.5,),
     (
-        Comparison("tangential restitution of the contact, -slip'/slip", "rigid_rebound", 0.01, True, SLIDING),
+        Comparison(
+            "tangential restitution of the contact, -slip'/slip", "rigid_rebound", 0.01, True, SLIDING
+        ),
         Comparison("tan of the rebound angle, slip'/v_n'", "rigid_rebound", 0.01, True, SLIDING),
-        Comparison("case A beside test 6", "rigid_rebound on a rigid plane (the large sphere weighs 125 000 times more)", 0.01, True, SLIDING),
+        Comparison(
+            "case A beside test 6",
+            "rigid_rebound on a rigid plane (the large sphere weighs 125 000 times more)",
+            0.01,
+            True,
+            SLIDING,
+        ),
         SAME_LAW,
     ),
     (
-        KRATOS + ": aluminium alloy, radii, case A (density and modulus of the large sphere x 1000), friction, restitution",
+        KRATOS + ": aluminium alloy, radii, case A (density and modulus of the large sphere x "
+        "1000), friction, restitution",
         PYSPH + ": both materials, radii, speeds, cases A and B, friction, restitution",
     ),
     (
-        "Case B (density x 1000, modulus of the small sphere) rests on PySPH's script; its case A multiplies the shear modulus of both.",
+        "Case B (density x 1000, modulus of the small sphere) rests on PySPH's script; its "
+        "case A multiplies the shear modulus of both.",
         "That nylon belongs to this test rests on PySPH's script alone.",
     ),
 )

@@ -1,9 +1,4 @@
-"""Single impacts in closed form: Hertz, damped Hertz, linear spring-dashpot, and rigid bodies with friction.
-
-Conventions (plane of impact): body 1 lies above body 2, the normal points from 2 to 1 along +y, the tangent is +x and
-angular velocities are positive anticlockwise. The slip velocity of the touching surfaces is therefore
-``(vx1 + R1 w1) - (vx2 - R2 w2)``. A plane is a body of infinite radius, mass and inertia. Gravity is left out.
-"""
+"""Two touching bodies and their normal impact in closed form: Hertz, damped Hertz, linear spring-dashpot."""
 
 from __future__ import annotations
 
@@ -77,7 +72,8 @@ class ContactPair:
 
     Notes
     -----
-    **Source** Johnson (1985), Contact Mechanics, eqs. (4.17), (4.20), (7.43); Maw, Barber and Fawcett (1976), Wear 38, 101.
+    **Source** Johnson (1985), Contact Mechanics, sections 4.2 and 7.2; Maw, Barber and Fawcett (1976), Wear
+    38, 101.
     """
 
     effective_radius: float
@@ -88,7 +84,10 @@ class ContactPair:
 
     @property
     def stiffness_ratio(self) -> float:
-        """Tangential over normal tangent stiffness [-]: 8 G* a / (2 E* a); 2(1-nu)/(2-nu) if one body is rigid or both are alike."""
+        """Tangential over normal tangent stiffness [-]: 8 G* a / (2 E* a).
+
+        2(1 - nu)/(2 - nu) if one body is rigid or both are alike.
+        """
         return 4.0 * self.effective_shear_modulus / self.effective_modulus
 
     @property
@@ -112,14 +111,15 @@ def contact_pair(first: Body, second: Body) -> ContactPair:
         / sum((2.0 - body.poisson_ratio) / shear for body, shear in zip(bodies, shear_moduli, strict=True)),
         tangential_mass=1.0
         / sum(
-            1.0 / body.mass + (body.radius * body.spin_per_impulse if isinstance(body, Sphere) else 0.0) for body in bodies
+            1.0 / body.mass + (body.radius * body.spin_per_impulse if isinstance(body, Sphere) else 0.0)
+            for body in bodies
         ),
     )
 
 
 @dataclass(frozen=True)
 class NormalImpact:
-    """A normal impact in three numbers and the restitution: duration [s], largest force [N], largest overlap [m], v'/v [-]."""
+    """A normal impact in numbers: duration [s], largest force [N], largest overlap [m], v'/v [-]."""
 
     duration: float
     maximum_force: float
@@ -129,7 +129,7 @@ class NormalImpact:
 
 @dataclass(frozen=True)
 class History:
-    """A normal impact in time, each of shape (n,): time [s], overlap [m], approach speed [m/s], compressive force [N]."""
+    """A normal impact in time, each (n,): time [s], overlap [m], approach speed [m/s], force [N]."""
 
     time: Array
     overlap: Array
@@ -137,32 +137,35 @@ class History:
     force: Array
 
 
-# ---------------------------------------------------------------------------------------------------- Hertz, elastic
+# -------------------------------------------------------------------------------------------- Hertz, elastic
 
 
 def hertz_impact(pair: ContactPair, approach_speed: float) -> NormalImpact:
     """Elastic normal impact of two bodies by Hertz's law F = 4/3 E* sqrt(R*) d^(3/2).
 
-    d_max = (15 m* v^2 / (16 E* sqrt(R*)))^(2/5); T = 4 sqrt(pi) Gamma(2/5) / (5 Gamma(9/10)) d_max / v = 2.9433 d_max/v.
+    d_max = (15 m* v^2 / (16 E* sqrt(R*)))^(2/5),
+    T = 4 sqrt(pi) Gamma(2/5) / (5 Gamma(9/10)) d_max/v = 2.9433 d_max/v.
 
-    **Source** Johnson (1985), Contact Mechanics, section 11.4, eqs. (11.23)-(11.24); Timoshenko and Goodier (1951), art. 126.
-    **Valid for** impacts that are slow against the elastic wave speed and contacts that are small against R*.
+    **Source** Johnson (1985), Contact Mechanics, section 11.4; Timoshenko and Goodier, Theory of Elasticity.
+    **Valid for** impacts slow against the elastic wave speed and contacts small against R*.
     """
     stiffness = 4.0 / 3.0 * pair.effective_modulus * math.sqrt(pair.effective_radius)
     overlap = (1.25 * pair.effective_mass * approach_speed**2 / stiffness) ** 0.4
-    factor = 4.0 * math.sqrt(math.pi) * gamma(0.4) / (5.0 * gamma(0.9))
+    factor = float(4.0 * math.sqrt(math.pi) * gamma(0.4) / (5.0 * gamma(0.9)))
     return NormalImpact(factor * overlap / approach_speed, stiffness * overlap**1.5, overlap, 1.0)
 
 
-# ------------------------------------------------------------------------------------- dashpots: what restitution results
+# ------------------------------------------------------------------------ dashpots: what restitution results
 
 
 def damping_ratio(restitution: float) -> float:
     """Damping ratio beta [-] of a dashpot whose contact ends at zero overlap: -ln e / sqrt(ln^2 e + pi^2).
 
-    Exact for the linear spring-dashpot and for Hertz with damping proportional to d^(1/4) (see `damped_hertz_impact`).
+    Exact for the linear spring-dashpot and for Hertz with damping proportional to d^(1/4) (see
+    `damped_hertz_impact`).
 
-    **Source** Tsuji, Tanaka and Ishida (1992), Powder Technol. 71, 239; Antypov and Elliott (2011), EPL 94, 50004.
+    **Source** Tsuji, Tanaka and Ishida (1992), Powder Technol. 71, 239; Antypov and Elliott (2011), EPL
+    94, 50004.
     **Valid for** 0 < e <= 1.
     """
     logarithm = math.log(restitution)
@@ -170,132 +173,163 @@ def damping_ratio(restitution: float) -> float:
 
 
 def restitution_at_zero_overlap(damping: float) -> float:
-    """Restitution [-] if contact ends when the overlap is zero, tension included: exp(-pi beta / sqrt(1 - beta^2)).
+    """Restitution [-] if contact ends at zero overlap, tension included: exp(-pi beta / sqrt(1 - beta^2)).
 
-    **Source** Antypov and Elliott (2011), EPL 94, 50004. **Valid for** 0 <= beta < 1; inverse of `damping_ratio`.
+    Inverse of `damping_ratio`.
+
+    **Source** Antypov and Elliott (2011), EPL 94, 50004. **Valid for** 0 <= beta < 1.
     """
     return math.exp(-math.pi * damping / math.sqrt(1.0 - damping**2))
 
 
+def _turn(damping: float) -> float:
+    """Phase w t of the largest overlap of a damped oscillator [-]: arccos(beta) / sqrt(1 - beta^2)."""
+    if damping < 1.0:
+        return math.acos(damping) / math.sqrt(1.0 - damping**2)
+    return math.acosh(damping) / math.sqrt(damping**2 - 1.0) if damping > 1.0 else 1.0
+
+
 def restitution_without_tension(damping: float) -> float:
-    """Restitution [-] if the contact force is cut off where it would pull: exp(-2 beta arccos(beta) / sqrt(1 - beta^2)).
+    """Restitution [-] if the contact force is cut off where it would pull.
 
-    The same for the linear spring-dashpot and for damped Hertz: with tau = int d^(1/4) dt and y = d^(5/4) the damped Hertz
-    contact *is* the linear one, its force vanishes where y'' = 0, at tau = 2 arccos(beta) / omega_d. Always above the
-    restitution with tension: 0.253 instead of 0.1, 0.550 instead of 0.5. Beyond critical damping arccos becomes arccosh.
+    e_0 = exp(-2 beta arccos(beta) / sqrt(1 - beta^2)), arccosh beyond critical damping. The same for the
+    linear spring-dashpot and for damped Hertz: with tau = int d^(1/4) dt and y = d^(5/4) the damped Hertz
+    contact *is* the linear one, and its force vanishes where y'' = 0, at twice the phase of the turn.
+    Always above the restitution with tension: 0.253 instead of 0.1, 0.550 instead of 0.5.
 
-    **Source** linear case Schwager and Poeschel (2007), Granular Matter 9, 465; Hertz by the substitution above.
+    **Source** linear case Schwager and Poeschel (2007), Granular Matter 9, 465; Hertz by the substitution.
     **Valid for** beta >= 0.
     """
-    if damping < 1.0:
-        exponent = 2.0 * damping * math.acos(damping) / math.sqrt(1.0 - damping**2)
-    elif damping > 1.0:
-        exponent = 2.0 * damping * math.acosh(damping) / math.sqrt(damping**2 - 1.0)
-    else:
-        exponent = 2.0
-    return math.exp(-exponent)
+    return math.exp(-2.0 * damping * _turn(damping))
 
 
 def damping_ratio_without_tension(restitution: float) -> float:
-    """Damping ratio [-] that gives a wanted restitution when the force is cut off at zero: inverse of `restitution_without_tension`.
+    """Damping ratio [-] for a wanted restitution when the force is cut off at zero.
 
-    **Valid for** 0 < e <= 1 (found to 1e-14; no fit).
+    Inverse of `restitution_without_tension`, a root found to 1e-14, no fit. Above 1 for e < exp(-2).
+
+    **Valid for** 0 < e <= 1.
     """
-    if restitution == 1.0:
-        return 0.0
+
+    def excess(damping: float) -> float:
+        return restitution_without_tension(damping) - restitution
+
     upper = 1.0
-    while restitution_without_tension(upper) > restitution:
+    while excess(upper) > 0.0:
         upper *= 2.0
-    return float(brentq(lambda beta: restitution_without_tension(beta) - restitution, 0.0, upper, xtol=1e-15, rtol=1e-14))
+    return float(brentq(excess, 0.0, upper, xtol=1e-15, rtol=1e-14)) if restitution < 1.0 else 0.0
 
 
-def _oscillator_peak_force(damping: float) -> float:
-    """Largest -y'' of y'' + 2 beta y' + y = 0, y(0) = 0, y'(0) = 1: exp(-beta (3 arccos beta - pi) / sqrt(1 - beta^2)), or 2 beta."""
-    if damping >= 0.5:
-        return 2.0 * damping
-    return math.exp(-damping * (3.0 * math.acos(damping) - math.pi) / math.sqrt(1.0 - damping**2))
+def _end(damping: float, tension: bool) -> tuple[float, float]:
+    """Phase w t of the end of contact and the restitution [-]."""
+    if tension:
+        return math.pi / math.sqrt(1.0 - damping**2), restitution_at_zero_overlap(damping)
+    return 2.0 * _turn(damping), restitution_without_tension(damping)
 
 
-def linear_impact(pair: ContactPair, approach_speed: float, stiffness: float, damping: float, tension: bool = True) -> NormalImpact:
+def linear_impact(
+    pair: ContactPair, approach_speed: float, stiffness: float, damping: float, tension: bool = True
+) -> NormalImpact:
     """Normal impact by the linear spring-dashpot F = k d + 2 beta sqrt(k m*) d', in closed form.
 
-    With w = sqrt(k/m*) and s = sqrt(1 - beta^2): T = pi/(w s) (2 arccos(beta)/(w s) without tension),
-    d_max = v/w exp(-beta arccos(beta)/s), F_max = m* v w exp(-beta (3 arccos(beta) - pi)/s), or 2 beta m* v w (at first touch) for beta >= 1/2.
+    With w = sqrt(k/m*), s = sqrt(1 - beta^2) and the turn at t_1 = arccos(beta)/(w s): T = pi/(w s), or
+    2 t_1 without tension; d_max = v/w exp(-beta w t_1); F_max = m* v w exp(-beta (3 w t_1 - pi/s)) for
+    beta < 1/2, else 2 beta m* v w, at first touch.
 
-    **Source** linear oscillator; Schwager and Poeschel (2007), Granular Matter 9, 465. **Valid for** 0 <= beta < 1.
+    **Source** linear oscillator; Schwager and Poeschel (2007), Granular Matter 9, 465.
+    **Valid for** beta >= 0, with tension beta < 1.
     """
     frequency = math.sqrt(stiffness / pair.effective_mass)
-    root = math.sqrt(1.0 - damping**2)
-    phase = math.pi if tension else 2.0 * math.acos(damping)
-    restitution = restitution_at_zero_overlap(damping) if tension else restitution_without_tension(damping)
+    end, restitution = _end(damping, tension)
+    turn = _turn(damping)
+    peak = (
+        math.exp(-damping * (3.0 * turn - math.pi / math.sqrt(1.0 - damping**2)))
+        if damping < 0.5
+        else 2.0 * damping
+    )
     return NormalImpact(
-        duration=phase / (frequency * root),
-        maximum_force=pair.effective_mass * approach_speed * frequency * _oscillator_peak_force(damping),
-        maximum_overlap=approach_speed / frequency * math.exp(-damping * math.acos(damping) / root),
+        duration=end / frequency,
+        maximum_force=pair.effective_mass * approach_speed * frequency * peak,
+        maximum_overlap=approach_speed / frequency * math.exp(-damping * turn),
         restitution=restitution,
     )
 
 
-def damped_hertz_impact(pair: ContactPair, approach_speed: float, damping: float, tension: bool = True) -> NormalImpact:
-    """Normal impact by Hertz with a Tsuji dashpot: F = 4/3 E* sqrt(R*) d^(3/2) + 2 sqrt(5/6) beta sqrt(S_n m*) d', S_n = 2 E* sqrt(R* d).
+def _hertz_length(pair: ContactPair, approach_speed: float) -> float:
+    """Length scale of a Hertz impact [m]: (m* v^2 / (E* sqrt(R*)))^(2/5)."""
+    stiffness = pair.effective_modulus * math.sqrt(pair.effective_radius)
+    return float((pair.effective_mass * approach_speed**2 / stiffness) ** 0.4)
 
-    In x = d (E* sqrt(R*) / (m* v^2))^(2/5) and its own time, tau = int x^(1/4) dt and y = x^(5/4) obey
-    y'' + 2 beta w y' + w^2 y = 0 with w^2 = 5/3, y'(0) = 5/4. So the restitution, the largest overlap
-    x_max = (sqrt(15)/4 exp(-beta arccos(beta)/sqrt(1-beta^2)))^(4/5) are closed; the duration int dtau y^(-1/5) is a quadrature and
-    the largest force 4/5 max(-y'' y^(1/5)) a root.
 
-    **Source** Antypov and Elliott (2011), EPL 94, 50004. **Valid for** 0 <= beta < 1.
+def damped_hertz_impact(
+    pair: ContactPair, approach_speed: float, damping: float, tension: bool = True
+) -> NormalImpact:
+    """Normal impact by Hertz with a Tsuji dashpot, by a change of variables that makes it linear.
+
+    F = 4/3 E* sqrt(R*) d^(3/2) + 2 sqrt(5/6) beta sqrt(S_n m*) d', S_n = 2 E* sqrt(R* d). In
+    x = d (E* sqrt(R*) / (m* v^2))^(2/5) and its own time, tau = int x^(1/4) dt and y = x^(5/4) obey
+    y'' + 2 beta w y' + w^2 y = 0 with w^2 = 5/3, y'(0) = 5/4. So the restitution and the largest overlap,
+    x_max = (5/(4 w) exp(-beta arccos(beta) / sqrt(1 - beta^2)))^(4/5), are closed; the duration
+    int dtau y^(-1/5) is a quadrature, the largest force 4/5 max(-y'' y^(1/5)) a root.
+
+    **Source** Antypov and Elliott (2011), EPL 94, 50004.
+    **Valid for** beta >= 0, with tension beta < 1.
     """
-    frequency, root = math.sqrt(5.0 / 3.0), math.sqrt(1.0 - damping**2)
-    scale = (pair.effective_mass * approach_speed**2 / (pair.effective_modulus * math.sqrt(pair.effective_radius))) ** 0.4
-    end = math.pi if tension else 2.0 * math.acos(damping)
-    lag = math.acos(damping)
+    frequency = math.sqrt(5.0 / 3.0)
+    root = math.sqrt(abs(1.0 - damping**2))
+    (end, restitution), turn = _end(damping, tension), _turn(damping)
 
-    def motion(phase: float) -> tuple[float, float]:
-        """y and -y'' at phase = w s tau."""
-        size = 1.25 / (frequency * root) * math.exp(-damping * phase / root)
-        return size * math.sin(phase), frequency**2 * size * math.sin(2.0 * lag - phase)
+    def motion(phase: float) -> tuple[float, float, float]:
+        """y, dy/dphase and -d2y/dphase2 at phase = w tau."""
+        size = 1.25 / frequency * math.exp(-damping * phase)
+        if damping < 1.0:
+            sine, cosine = math.sin(root * phase) / root, math.cos(root * phase)
+        else:
+            sine = math.sinh(root * phase) / root if damping > 1.0 else phase
+            cosine = math.cosh(root * phase)
+        y, y_rate = size * sine, size * (cosine - damping * sine)
+        return y, y_rate, y + 2.0 * damping * y_rate
 
-    def slope_of_force(phase: float) -> float:
-        """d(log of force)/d(phase) times y (-y''): zero at the largest force."""
-        y, pull = motion(phase)
-        decay = 1.25 / (frequency * root) * math.exp(-damping * phase / root)
-        y_rate = decay * (math.cos(phase) - damping / root * math.sin(phase))
-        pull_rate = frequency**2 * decay * (-math.cos(2.0 * lag - phase) - damping / root * math.sin(2.0 * lag - phase))
-        return pull_rate * y + 0.2 * pull * y_rate
+    def force_slope(phase: float) -> float:
+        """Sign of the rate of the force, -y'' y^(1/5)."""
+        y, y_rate, push = motion(phase)
+        return (y_rate - 2.0 * damping * push) * y + 0.2 * push * y_rate
 
-    # t = int y^(-1/5) dphase/(w s); phase = end u^(5/4) (and its mirror image) removes the singular ends
-    def piece(start: float, stop: float) -> float:
+    def time_between(end_phase: float, phase: float) -> float:
+        """Time over 1/w; phase = end + (phase - end) u^(5/4) removes the singular y^(-1/5) at the end."""
+
         def integrand(u: float) -> float:
-            phase = start + (stop - start) * u**1.25
-            return 1.25 * u**0.25 * motion(phase)[0] ** -0.2 * abs(stop - start)
+            y = motion(end_phase + (phase - end_phase) * u**1.25)[0]
+            return float(1.25 * u**0.25 * y**-0.2 * abs(phase - end_phase))
 
         return float(quad(integrand, 0.0, 1.0, epsabs=0.0, epsrel=1e-12, limit=200)[0])
 
-    time = (piece(0.0, lag) + piece(end, lag)) / (frequency * root)
-    peak = float(brentq(slope_of_force, 1e-9, lag, xtol=1e-15)) if slope_of_force(lag) < 0.0 else lag
-    y, pull = motion(peak)
+    length = _hertz_length(pair, approach_speed)
+    peak = float(brentq(force_slope, 1e-9, turn, xtol=1e-15)) if force_slope(turn) < 0.0 else turn
+    y, _, push = motion(peak)
+    unit_force = pair.effective_mass * approach_speed**2 / length
     return NormalImpact(
-        duration=time * scale / approach_speed,
-        maximum_force=0.8 * pull * y**0.2 * pair.effective_mass * approach_speed**2 / scale,
-        maximum_overlap=scale * motion(lag)[0] ** 0.8,
-        restitution=restitution_at_zero_overlap(damping) if tension else restitution_without_tension(damping),
+        duration=(time_between(0.0, turn) + time_between(end, turn)) / frequency * length / approach_speed,
+        maximum_force=0.8 * frequency**2 * push * y**0.2 * unit_force,
+        maximum_overlap=length * motion(turn)[0] ** 0.8,
+        restitution=restitution,
     )
 
 
 def hertz_history(
     pair: ContactPair, approach_speed: float, damping: float = 0.0, tension: bool = True, samples: int = 401
 ) -> tuple[NormalImpact, History]:
-    """Overlap and force in time, and the numbers of the impact, by an eighth-order integration of the same law (DOP853, rtol 1e-12).
+    """Overlap and force in time, and the numbers of the impact, by integration (DOP853, rtol 1e-12).
 
-    Independent of the closed forms: no substitution, the end is found as an event. Times are evenly spaced, shape (samples,).
+    The law of `damped_hertz_impact`, independent of its closed forms: no substitution, the end is found as
+    an event. Times are evenly spaced, shape (samples,).
     """
-    scale = (pair.effective_mass * approach_speed**2 / (pair.effective_modulus * math.sqrt(pair.effective_radius))) ** 0.4
+    scale = _hertz_length(pair, approach_speed)
     dashpot = 2.0 * math.sqrt(5.0 / 3.0) * damping
 
     def force(state: Array) -> Array:
         overlap = np.maximum(state[0], 0.0)
-        return 4.0 / 3.0 * overlap**1.5 + dashpot * overlap**0.25 * state[1]
+        return np.asarray(4.0 / 3.0 * overlap**1.5 + dashpot * overlap**0.25 * state[1])
 
     def rate(_: float, state: Array) -> list[float]:
         return [float(state[1]), -float(force(state))]
@@ -308,19 +342,26 @@ def hertz_history(
     def turned(_: float, state: Array) -> float:
         return float(state[1])
 
-    # The dashpot's x^(1/4) is not smooth at first touch: start on the exact leading terms, x = t and v = 1 - 4/5 c t^(5/4).
+    # the dashpot's x^(1/4) is not smooth at first touch: start on x = t, v = 1 - 4/5 c t^(5/4)
     start = 1e-12
     first = [start, 1.0 - 0.8 * dashpot * start**1.25]
     run = solve_ivp(
-        rate, (start, 1e3), first, method="DOP853", rtol=1e-12, atol=1e-15, events=(released, turned), dense_output=True
+        rate,
+        (start, 1e3),
+        first,
+        method="DOP853",
+        rtol=1e-12,
+        atol=1e-15,
+        events=(released, turned),
+        dense_output=True,
     )
     end = float(run.t_events[0][0])
     time = np.linspace(0.0, end, samples)
     state = run.sol(np.maximum(time, start))
     fine = run.sol(np.linspace(start, end, 20 * samples))
-    at = int(np.argmax(force(fine)))
-    parabola = np.polyfit(np.arange(-1.0, 2.0), force(fine)[at - 1 : at + 2], 2) if 0 < at < 20 * samples - 1 else None
-    peak = float(force(fine)[at]) if parabola is None else float(parabola[2] - parabola[1] ** 2 / (4.0 * parabola[0]))
+    at = int(np.clip(np.argmax(force(fine)), 1, fine.shape[1] - 2))
+    curve, slope, middle = np.polyfit(np.arange(-1.0, 2.0), force(fine)[at - 1 : at + 2], 2)
+    peak = float(middle - slope**2 / (4.0 * curve))
     unit_force = pair.effective_mass * approach_speed**2 / scale
     impact = NormalImpact(
         duration=end * scale / approach_speed,
@@ -328,101 +369,6 @@ def hertz_history(
         maximum_overlap=float(run.y_events[1][0][0]) * scale,
         restitution=-float(run.y_events[0][0][1]),
     )
-    return impact, History(time * scale / approach_speed, state[0] * scale, state[1] * approach_speed, force(state) * unit_force)
-
-
-# --------------------------------------------------------------------------------------------- oblique impact, rigid bodies
-
-
-@dataclass(frozen=True)
-class Impact:
-    """Motion just before contact: approach speed [m/s] (> 0 closing), tangential velocities [m/s] and angular velocities [rad/s] of both."""
-
-    approach_speed: float
-    tangential_velocity: tuple[float, float] = (0.0, 0.0)
-    angular_velocity: tuple[float, float] = (0.0, 0.0)
-
-
-@dataclass(frozen=True)
-class Rebound:
-    """Motion just after contact: separation speed, tangential and angular velocities of both, slip velocity [m/s] and the
-    tangential impulse [N.s] on body 1; `sliding` says whether the surfaces slid to the end."""
-
-    separation_speed: float
-    tangential_velocity: tuple[float, float]
-    angular_velocity: tuple[float, float]
-    slip_velocity: float
-    tangential_impulse: float
-    sliding: bool
-
-
-def _lever(body: Body) -> float:
-    return body.radius if isinstance(body, Sphere) else 0.0
-
-
-def slip_velocity(first: Body, second: Body, impact: Impact | Rebound) -> float:
-    """Velocity of surface 1 over surface 2 at the contact point along +x [m/s]: (vx1 + R1 w1) - (vx2 - R2 w2)."""
-    velocity, spin = impact.tangential_velocity, impact.angular_velocity
-    return velocity[0] + _lever(first) * spin[0] - velocity[1] + _lever(second) * spin[1]
-
-
-def apply_impulse(
-    first: Body, second: Body, impact: Impact, separation_speed: float, tangential_impulse: float, sliding: bool
-) -> Rebound:
-    """Motion after a tangential impulse [N.s] on body 1 at the contact point (and its reaction on body 2).
-
-    vx1' = vx1 + J/m1, w1' = w1 + R1 J/I1, vx2' = vx2 - J/m2, w2' = w2 + R2 J/I2: momentum and angular momentum are kept.
-    """
-    velocity, spin = impact.tangential_velocity, impact.angular_velocity
-    after = Rebound(
-        separation_speed=separation_speed,
-        tangential_velocity=(velocity[0] + tangential_impulse / first.mass, velocity[1] - tangential_impulse / second.mass),
-        angular_velocity=(
-            spin[0] + first.spin_per_impulse * tangential_impulse,
-            spin[1] + second.spin_per_impulse * tangential_impulse,
-        ),
-        slip_velocity=0.0,
-        tangential_impulse=tangential_impulse,
-        sliding=sliding,
+    return impact, History(
+        time * scale / approach_speed, state[0] * scale, state[1] * approach_speed, force(state) * unit_force
     )
-    return Rebound(**{**after.__dict__, "slip_velocity": slip_velocity(first, second, after)})
-
-
-def rigid_rebound(first: Body, second: Body, impact: Impact, friction: float, restitution: float) -> Rebound:
-    """Oblique impact of rigid bodies with Coulomb friction: sliding throughout, or rolling (zero slip) at the end.
-
-    J = -sign(slip) min(mu (1 + e) m* v_n, m_t |slip|). Sliding throughout if |slip| >= mu (1 + e) (m*/m_t) v_n = 7/2 mu (1 + e) v_n
-    for homogeneous spheres; then slip' = slip - 7/2 mu (1 + e) v_n and R w' = R w -+ 5/2 mu (1 + e) v_n against a plane.
-
-    **Source** Walton (1993), in Particulate Two-Phase Flow, 884; Foerster et al. (1994), Phys. Fluids 6, 1108.
-    **Valid for** rigid bodies; an elastic contact agrees in gross sliding only, and a damped one only if its pushing force sums to
-    m* (1 + e) v_n: so it is without tension. With tension the push sums to m* (1 + e_0) v_n, e_0 = `restitution_without_tension`
-    (3.4 % more friction at e = 0.5), since friction has no hold while the contact pulls.
-    """
-    pair = contact_pair(first, second)
-    slip = slip_velocity(first, second, impact)
-    largest = friction * (1.0 + restitution) * pair.effective_mass * impact.approach_speed
-    sticking = pair.tangential_mass * abs(slip)
-    impulse = -math.copysign(min(largest, sticking), slip)
-    return apply_impulse(first, second, impact, restitution * impact.approach_speed, impulse, sticking >= largest)
-
-
-def sliding_limit(pair: ContactPair, friction: float, restitution: float) -> float:
-    """Tangent of the incidence angle, |slip|/v_n [-], above which rigid bodies slide to the end: mu (1 + e) m*/m_t."""
-    return friction * (1.0 + restitution) * pair.effective_mass / pair.tangential_mass
-
-
-def tangential_restitution(impact: Impact, rebound: Rebound) -> float:
-    """Ratio of the tangential velocities of body 1's centre [-], vx'/vx: the coefficient of Kharaz et al. (2001) and of test 4."""
-    return rebound.tangential_velocity[0] / impact.tangential_velocity[0]
-
-
-def kinetic_energy(first: Body, second: Body, motion: Impact | Rebound) -> float:
-    """Kinetic energy [J] of tangential motion, spin, and normal motion relative to the common centre of mass."""
-    pair = contact_pair(first, second)
-    speed = motion.approach_speed if isinstance(motion, Impact) else motion.separation_speed
-    energy = 0.5 * pair.effective_mass * speed**2
-    for body, velocity, spin in zip((first, second), motion.tangential_velocity, motion.angular_velocity, strict=True):
-        if isinstance(body, Sphere):
-            energy += 0.5 * body.mass * velocity**2 + 0.5 * body.inertia * spin**2
-    return energy

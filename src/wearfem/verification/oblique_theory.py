@@ -1,19 +1,22 @@
-"""Oblique impact of elastic spheres: partial slip (Maw, Barber and Fawcett) and the Hertz-Mindlin spring of a DEM engine.
+"""Oblique impact of elastic spheres: partial slip (Maw, Barber and Fawcett) and the spring of a DEM engine.
 
-Both are written in the variables of Maw, Barber and Fawcett (1976). With the stiffness ratio kappa = 4 G*/E* [-], friction mu [-],
-approach speed v [m/s] and slip velocity v_s [m/s], the angles of incidence and reflection are
+Both are written in the variables of Maw, Barber and Fawcett (1976). With the stiffness ratio
+kappa = 4 G*/E* [-], friction mu [-], approach speed v [m/s] and slip velocity v_s [m/s], the angles of
+incidence and reflection are
 
-    psi_1 = kappa v_s / (mu v),        psi_2 = kappa v_s' / (mu v)        (v_s' > 0: still sliding forwards),
+    psi_1 = kappa v_s / (mu v),    psi_2 = kappa v_s' / (mu v)    (v_s' > 0: still sliding forwards),
 
-and an elastic impact depends on psi_1 and chi = kappa m*/(2 m_t) alone; chi = (1 - nu)(1 + 1/K^2)/(2 - nu), K^2 = 2/5 for a sphere.
-The overlap x is in units of the largest elastic Hertz overlap D, time in D/v, forces in m* v^2/D (tangential ones over mu):
-F = 5/4 x^(3/2), tangent stiffness 15/8 sqrt(x), slip velocity w' = -2 chi q. Fixed facts of the curve: the contact sticks at first
-touch for psi_1 < 1, and slides to the end, psi_2 = psi_1 - 4 chi, for psi_1 > 4 chi - 1.
+and an elastic impact depends on psi_1 and chi = kappa m*/(2 m_t) alone; for a sphere (K^2 = 2/5)
+chi = (1 - nu)(1 + 1/K^2)/(2 - nu). The overlap x is in units of the largest elastic Hertz overlap D, time in
+D/v, forces in m* v^2/D (tangential ones over mu): F = 5/4 x^(3/2), tangent stiffness 15/8 sqrt(x), slip
+velocity psi' = -2 chi q. Fixed facts of the curve: the contact sticks at first touch for psi_1 < 1, and
+slides to the end, psi_2 = psi_1 - 4 chi, for psi_1 > 4 chi - 1.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,14 +26,11 @@ from wearfem.verification.impact_theory import (
     Array,
     Body,
     ContactPair,
-    Impact,
-    Rebound,
-    apply_impulse,
     contact_pair,
     restitution_at_zero_overlap,
     restitution_without_tension,
-    slip_velocity,
 )
+from wearfem.verification.rigid_impact import Impact, Rebound, apply_impulse, slip_velocity
 
 STIFFNESS = 15.0 / 8.0
 
@@ -41,15 +41,15 @@ def incidence(pair: ContactPair, slip: float, approach_speed: float, friction: f
 
 
 def sliding_incidence(chi: float) -> float:
-    """psi_1 [-] above which the contact slides from first touch to the end: 4 chi - 1. **Source** Maw et al. (1976)."""
+    """psi_1 [-] above which the contact slides from first touch to the end: 4 chi - 1 (Maw et al. 1976)."""
     return 4.0 * chi - 1.0
 
 
-# ------------------------------------------------------------------------------------------- Maw, Barber and Fawcett
+# ----------------------------------------------------------------------------------- Maw, Barber and Fawcett
 
 
 def slip_limited(displacement: Array, increment: Array | float, bound: Array) -> Array:
-    """Tangential displacement of the contact's rings after a common increment: it follows (stick) up to the bound (slip)."""
+    """Tangential displacement of the rings after a common increment: it follows up to the bound, then slips."""
     return np.clip(displacement + increment, -bound, bound)
 
 
@@ -77,15 +77,17 @@ class PartialSlip:
 def partial_slip_impact(chi: float, incidences: Array | list[float] | float, rings: int = 400) -> PartialSlip:
     """Reflection psi_2 of elastic spheres with partial slip, the problem of Maw, Barber and Fawcett.
 
-    The contact is cut into rings that stick or slip one by one. In the Abel transform of the Hertzian traction (method of
-    dimensionality reduction) the rings decouple: ring z carries 15/8 (x - z^2) of the normal and 15/8 u of the tangential force, touches
-    while x > z^2, and |u| <= x - z^2. This is the Cattaneo-Mindlin-Deresiewicz contact for any history of loading. Ring j is placed where
-    the contact edge stands at step j, so first touch and release fall on steps; the normal motion is exact; leapfrog in time.
-    Error of psi_2 below 2 / rings^2.
+    The contact is cut into rings that stick or slip one by one. In the Abel transform of the Hertzian
+    traction (method of dimensionality reduction) the rings decouple: ring z carries 15/8 (x - z^2) of the
+    normal and 15/8 u of the tangential force, touches while x > z^2, and |u| <= x - z^2. This is the
+    Cattaneo-Mindlin-Deresiewicz contact for any history of loading. Ring j is placed where the contact
+    edge stands at step j, so first touch and release fall on steps; the normal motion is exact; leapfrog
+    in time. Error of psi_2 below 2 / rings^2.
 
-    **Source** Maw, Barber and Fawcett (1976), Wear 38, 101; (1981), J. Lubr. Technol. 103, 74; Popov and Hess (2015), Method of
-    Dimensionality Reduction, ch. 5 and 8; Jaeger (1994), Appl. Mech. Rev. 47, 35.
-    **Valid for** spheres and half-spaces that are elastically alike (or one rigid, nu coupling neglected), e = 1, in-plane motion.
+    **Source** Maw, Barber and Fawcett (1976), Wear 38, 101; (1981), J. Lubr. Technol. 103, 74; Popov and
+    Hess (2015), Method of Dimensionality Reduction, ch. 5 and 8; Jaeger (1994), Appl. Mech. Rev. 47, 35.
+    **Valid for** spheres and half-spaces that are elastically alike (or one rigid, nu coupling neglected),
+    e = 1, in-plane motion.
     """
     start = np.atleast_1d(np.asarray(incidences, dtype=np.float64))
     loading, time_step = _normal_loading(rings)
@@ -101,11 +103,12 @@ def partial_slip_impact(chi: float, incidences: Array | list[float] | float, rin
         force[:, step] = displacement @ weight
         slip[:, step] = velocity - chi * force[:, step] * time_step
         velocity = velocity - 2.0 * chi * force[:, step] * time_step
-    return PartialSlip(start, slip[:, -1], time_step * np.arange(overlap.size), slip, force)
+    time = np.linspace(0.0, time_step * (overlap.size - 1), overlap.size)
+    return PartialSlip(start, slip[:, -1], time, slip, force)
 
 
 def _ring_weights(edge: Array) -> Array:
-    """Weights of int u dz at the nodes z = edge for u linear in z^2 between nodes: exact for the bound x - z^2."""
+    """Weights of int u dz at nodes z = edge, u linear in z^2 between them: exact for the bound x - z^2."""
     left, right = edge[:-1], edge[1:]
     to_right = ((right**3 - left**3) / 3.0 - left**2 * (right - left)) / (right**2 - left**2)
     weight = np.zeros(edge.size)
@@ -115,7 +118,7 @@ def _ring_weights(edge: Array) -> Array:
 
 
 def _normal_loading(steps: int) -> tuple[Array, float]:
-    """Overlap at `steps` + 1 even times from first touch to the turn of an elastic Hertz impact, and the time step (both normalised)."""
+    """Normalised overlap at `steps` + 1 even times from first touch to the elastic turn, and the time step."""
 
     def turned(_: float, state: Array) -> float:
         return float(state[1])
@@ -137,13 +140,16 @@ def _normal_loading(steps: int) -> tuple[Array, float]:
     return overlap, float(time[1])
 
 
-# ---------------------------------------------------------------------------------------- the spring of a DEM engine
+# -------------------------------------------------------------------------------- the spring of a DEM engine
 
 
 @dataclass(frozen=True)
 class SpringImpact:
-    """An oblique impact by the spring law: slip velocity after, kappa v_s'/(mu v) [-] (psi_2 if e = 1), restitution v'/v [-],
-    and whether the contact slid at every moment."""
+    """An oblique impact by the spring law.
+
+    Slip velocity after, kappa v_s'/(mu v) [-] (psi_2 if e = 1), restitution v'/v [-], and whether the contact
+    slid at every moment.
+    """
 
     slip: float
     restitution: float
@@ -158,15 +164,17 @@ def spring_impact(
     tension: bool = True,
     rescale: bool = True,
 ) -> SpringImpact:
-    """Oblique impact by Hertz with one tangential spring and a Coulomb limit, integrated from event to event (DOP853, rtol 1e-11).
+    """Oblique impact by Hertz, one tangential spring and a Coulomb limit, integrated from event to event.
 
-    Spring force q = k d, k = 8 G* a. While it sticks d' = v_s; on increasing overlap `rescale` keeps the force as k grows (Mindlin:
-    the new contact area is laid down unstressed), otherwise, and on decreasing overlap, the displacement is kept. Dashpot 2 sqrt(5/6) beta
-    sqrt(k m*) v_s. At |q + dashpot| = mu F the contact slides: q = mu F, no dashpot. Friction has no hold while the normal force
-    pulls, so the tangential motion is the same with and without tension.
+    Spring force q = k d, k = 8 G* a. While it sticks d' = v_s; on increasing overlap `rescale` keeps the
+    force as k grows (Mindlin: the new contact area is laid down unstressed), otherwise, and on decreasing
+    overlap, the displacement is kept. Dashpot 2 sqrt(5/6) beta sqrt(k m*) v_s. At |q + dashpot| = mu F the
+    contact slides: q = mu F, no dashpot. Friction has no hold while the normal force pulls, so the
+    tangential motion is the same with and without tension.
 
-    In the limit of small steps the contact sticks again when the spring alone would fall behind mu F (no damping), or when the slip
-    turns (with damping); a limit met while the slip runs against the spring resets the spring only.
+    In the limit of small steps the contact sticks again when the spring alone would fall behind mu F (no
+    damping), or when the slip turns (with damping); a limit met while the slip runs against the spring
+    resets the spring only.
 
     Parameters
     ----------
@@ -181,25 +189,31 @@ def spring_impact(
 
     Notes
     -----
-    **Source** Mindlin and Deresiewicz (1953), J. Appl. Mech. 20, 327; "no-slip" laws compared in Thornton, Cummins and Cleary (2011),
-    Powder Technol. 210, 189. With `rescale` the contact sticks at first touch for psi_1 < 1 as in theory, without for psi_1 < 2/3.
-    It slides to the end for psi_1 > 4 chi - 2/3 (theory 4 chi - 1), or with damping for psi_1 > 2 chi (1 + e).
-    **Valid for** homogeneous bodies, in-plane motion, 0 <= beta < 1.
+    **Source** Mindlin and Deresiewicz (1953), J. Appl. Mech. 20, 327; "no-slip" laws compared in Thornton,
+    Cummins and Cleary (2011), Powder Technol. 210, 189. With `rescale` the contact sticks at first touch
+    for psi_1 < 1 as in theory, without for psi_1 < 2/3. It slides to the end for psi_1 > 4 chi - 2/3
+    (theory 4 chi - 1), or with damping for psi_1 > 2 chi (1 + e).
+    **Valid for** homogeneous bodies, in-plane motion; with tension beta < 1. DOP853, rtol 1e-11.
     """
     return _SpringContact(chi, stiffness_ratio, damping, tension, rescale).run(incidence)
 
 
 class _SpringContact:
-    """The spring law as two smooth motions (stick, slide) and the events between them. State: x, x', slip velocity, spring.
+    """The spring law as two smooth motions (stick, slide) and the events between them.
 
-    The spring is held as its force while the overlap grows (with rescaling), else as its displacement.
+    State: x, x', slip velocity, spring. The spring is held as its force while the overlap grows (with
+    rescaling), else as its displacement.
     """
 
-    def __init__(self, chi: float, stiffness_ratio: float, damping: float, tension: bool, rescale: bool) -> None:
+    def __init__(
+        self, chi: float, stiffness_ratio: float, damping: float, tension: bool, rescale: bool
+    ) -> None:
         self.rate_of_slip = 2.0 * chi
         self.normal_dashpot = 2.5 * damping
         self.tangential_dashpot = 2.5 * damping / math.sqrt(stiffness_ratio)
-        self.restitution = restitution_at_zero_overlap(damping) if tension else restitution_without_tension(damping)
+        self.restitution = (
+            restitution_at_zero_overlap(damping) if tension else restitution_without_tension(damping)
+        )
         self.rescale = rescale
         self.keeps_force = rescale
         self.sign = 1.0
@@ -219,11 +233,16 @@ class _SpringContact:
         return force if self.keeps_force else force / (STIFFNESS * math.sqrt(overlap))
 
     def trial(self, state: Array) -> float:
-        return self.spring(state) + self.tangential_dashpot * max(state[0], 0.0) ** 0.25 * float(state[2])
+        return float(self.spring(state) + self.tangential_dashpot * max(state[0], 0.0) ** 0.25 * state[2])
 
     def stick(self, _: float, state: Array) -> list[float]:
         stiffness = STIFFNESS * math.sqrt(max(state[0], 0.0)) if self.keeps_force else 1.0
-        return [state[1], -self.normal_force(state), -self.rate_of_slip * self.trial(state), stiffness * state[2]]
+        return [
+            state[1],
+            -self.normal_force(state),
+            -self.rate_of_slip * self.trial(state),
+            stiffness * state[2],
+        ]
 
     def slide(self, _: float, state: Array) -> list[float]:
         return [state[1], -self.normal_force(state), -self.rate_of_slip * self.sign * self.limit(state), 0.0]
@@ -254,7 +273,9 @@ class _SpringContact:
             motion = self.stick if sticking else self.slide
             changes = _event(self.over_limit, 1) if sticking else _event(self.sticks_again, -1)
             events = [_event(self.released, -1), changes] + ([_event(self.turned, -1)] if growing else [])
-            leg = solve_ivp(motion, (time, 1e4), state, method="DOP853", rtol=1e-11, atol=1e-14, events=events)
+            leg = solve_ivp(
+                motion, (time, 1e4), state, method="DOP853", rtol=1e-11, atol=1e-14, events=events
+            )
             time, state = float(leg.t[-1]), leg.y[:, -1].copy()
             if leg.t_events[0].size:
                 return SpringImpact(float(state[2]), self.restitution, always_sliding)
@@ -276,7 +297,7 @@ class _SpringContact:
         raise RuntimeError("the spring contact changed between stick and slip more than 10 000 times")
 
 
-def _event(function, direction: int):  # type: ignore[no-untyped-def]
+def _event(function: Callable[[float, Array], float], direction: int) -> Callable[[float, Array], float]:
     """A terminal event of `solve_ivp` from a method (methods carry no attributes)."""
 
     def event(time: float, state: Array) -> float:
@@ -286,20 +307,29 @@ def _event(function, direction: int):  # type: ignore[no-untyped-def]
     return event
 
 
-# --------------------------------------------------------------------------------------------------- in SI, for two bodies
+# ------------------------------------------------------------------------------------- in SI, for two bodies
 
 
-def _rebound(first: Body, second: Body, impact: Impact, friction: float, slip: float, restitution: float, sliding: bool) -> Rebound:
+def _rebound(
+    first: Body, second: Body, impact: Impact, friction: float, slip: float, restitution: float, sliding: bool
+) -> Rebound:
     """Rebound from the normalised slip velocity after the impact."""
     pair = contact_pair(first, second)
     before = slip_velocity(first, second, impact)
     after = math.copysign(1.0, before) * slip * friction * impact.approach_speed / pair.stiffness_ratio
     return apply_impulse(
-        first, second, impact, restitution * impact.approach_speed, pair.tangential_mass * (after - before), sliding
+        first,
+        second,
+        impact,
+        restitution * impact.approach_speed,
+        pair.tangential_mass * (after - before),
+        sliding,
     )
 
 
-def partial_slip_rebound(first: Body, second: Body, impact: Impact, friction: float, rings: int = 400) -> Rebound:
+def partial_slip_rebound(
+    first: Body, second: Body, impact: Impact, friction: float, rings: int = 400
+) -> Rebound:
     """Elastic rebound with partial slip (see `partial_slip_impact`), in SI."""
     pair = contact_pair(first, second)
     angle = incidence(pair, slip_velocity(first, second, impact), impact.approach_speed, friction)
@@ -323,10 +353,10 @@ def spring_rebound(
     return _rebound(first, second, impact, friction, after.slip, after.restitution, after.sliding)
 
 
-def energy_loss(incidence: Array | float, reflection: Array | float) -> Array | float:
+def energy_loss(incidence: Array | float, reflection: Array | float) -> Array:
     """Share of the slip energy 1/2 m_t v_s^2 that an elastic oblique impact loses [-]: 1 - (psi_2/psi_1)^2.
 
-    The normal motion is elastic and the motion at fixed slip (1 - m_t share) is kept, so this is all that friction takes.
-    **Source** Johnson (1985), Contact Mechanics, section 11.4; follows from the impulse equations.
+    The normal motion is elastic and the rest of the tangential motion is kept (`apply_impulse`), so this is
+    all that friction takes.
     """
-    return 1.0 - (np.asarray(reflection) / np.asarray(incidence)) ** 2
+    return np.asarray(1.0 - np.square(np.asarray(reflection) / np.asarray(incidence)))
