@@ -169,7 +169,7 @@ def damping_ratio(restitution: float) -> float:
     **Valid for** 0 < e <= 1.
     """
     logarithm = math.log(restitution)
-    return -logarithm / math.hypot(logarithm, math.pi)
+    return abs(logarithm) / math.hypot(logarithm, math.pi)
 
 
 def restitution_at_zero_overlap(damping: float) -> float:

@@ -49,7 +49,7 @@ def sliding_incidence(chi: float) -> float:
 
 
 def slip_limited(displacement: Array, increment: Array | float, bound: Array) -> Array:
-    """Tangential displacement of the rings after a common increment: it follows up to the bound, then slips."""
+    """Tangential displacement of the rings after a common increment: it follows up to the bound."""
     return np.clip(displacement + increment, -bound, bound)
 
 
@@ -118,7 +118,7 @@ def _ring_weights(edge: Array) -> Array:
 
 
 def _normal_loading(steps: int) -> tuple[Array, float]:
-    """Normalised overlap at `steps` + 1 even times from first touch to the elastic turn, and the time step."""
+    """Normalised overlap at `steps` + 1 even times from first touch to the turn, and the time step."""
 
     def turned(_: float, state: Array) -> float:
         return float(state[1])
