@@ -20,12 +20,12 @@ from wearfem.verification.rigid_impact import Impact
 
 YADE = "Yade, benchmark scripts 'Chung and Ooi (2011)' Test1-Test4.py (Angelidakis, Chareyre and Caulk, 2023)"
 KRATOS = (
-    "KratosMultiphysics/Kratos, DEMApplication: basic_benchmarks/benchmark<n>DEM.mdpa "
+    "KratosMultiphysics/Kratos, DEMApplication: benchmark<n>DEM.mdpa or Materials<n>.json, "
     "and DEM_benchmarks_class.py"
 )
-PYSPH = "PySPH, discontinuous DEM examples 'Chung test <n>', which cite doi 10.1007/s10035-011-0277-0"
+PYSPH = "PySPH, DEM examples test 1 to 8, which cite doi 10.1007/s10035-011-0277-0"
 GRAPHS = (
-    "figures of the paper as digitised in KratosMultiphysics/Kratos, "
+    "figures of the paper as digitised in KratosMultiphysics/Kratos (paper_data), "
     "DEM3D_chung_ooi_tests/.../benchmark<n>_graph<m>.dat"
 )
 
@@ -181,7 +181,7 @@ NORMAL_PLANE = ImpactTest(
     HERTZ,
     (
         YADE + ": both materials, radius, speed",
-        KRATOS + ": aluminium alloy, radius, speed",
+        KRATOS + ": aluminium alloy, speed",
         PYSPH + ": radius",
     ),
     ("Magnesium alloy rests on Yade's script alone.", RIGID),
@@ -384,7 +384,7 @@ SPINNING_PLANE = ImpactTest(
     ),
     (
         KRATOS + ": aluminium alloy, radius, normal speed, spins, friction, restitution",
-        PYSPH + " 8: nylon's constants",
+        PYSPH + ": nylon's constants, in test 8",
         GRAPHS + " (test 8, curve 'sphere vs rigid surface (test 6)'): 3.5 mu (1 + e) v_n/v_s = "
         "0.187 .. 23.97, so the spins",
     ),
@@ -450,7 +450,7 @@ SPINNING_UNLIKE = ImpactTest(
         SAME_LAW,
     ),
     (
-        KRATOS + ": aluminium alloy, radii, case A (density and modulus of the large sphere x "
+        KRATOS + ": aluminium alloy, radii, spins, case A (density and modulus of the large sphere x "
         "1000), friction, restitution",
         PYSPH + ": both materials, radii, speeds, cases A and B, friction, restitution",
     ),
