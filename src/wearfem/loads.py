@@ -22,17 +22,23 @@ class FacetLoads:
     normal_impulse: np.ndarray = _array("N s", "(b, f)", "sum of normal force over time")
     tangential_impulse: np.ndarray = _array("N s", "(b, f, 3)", "sum of tangential force over time")
     friction_work: np.ndarray = _array("J", "(b, f)", "dissipated by slip")
-    load_distance: np.ndarray = _array("N m", "(b, f)", "sum of normal force times tangential speed over time")
+    load_distance: np.ndarray = _array(
+        "N m", "(b, f)", "sum of normal force times tangential speed over time"
+    )
     slip_distance: np.ndarray = _array("m", "(b, f)", "slid while friction was at its limit")
     contact_time: np.ndarray = _array("s", "(b, f)", "sum over contacts")
     contact_count: np.ndarray = _array("-", "(b, f)", "first touches")
     custom: np.ndarray = _array("-", "(b, f)", "sum of the model's own tally")
     force_time: np.ndarray = _array("s", "(b, f, c)", "contact time by class of normal force")
     force_slip: np.ndarray = _array("m", "(b, f, c)", "slip by class of normal force")
-    impact_energy: np.ndarray = _array("J", "(b, f, a, v)", "kinetic energy at first touch by class of angle and speed")
+    impact_energy: np.ndarray = _array(
+        "J", "(b, f, a, v)", "kinetic energy at first touch by class of angle and speed"
+    )
     force_edge: np.ndarray = _array("N", "(c + 1,)", "borders of the force classes; the end classes are open")
     angle_edge: np.ndarray = _array("degree", "(a + 1,)", "borders of the impact angle classes, 0 grazing")
-    speed_edge: np.ndarray = _array("m/s", "(v + 1,)", "borders of the speed classes; the end classes are open")
+    speed_edge: np.ndarray = _array(
+        "m/s", "(v + 1,)", "borders of the speed classes; the end classes are open"
+    )
 
     @property
     def block_count(self) -> int:

@@ -98,7 +98,14 @@ def damping_ratio(restitution: float) -> float:
     """The damping ratio [-] with which a contact that never pulls rebounds at `restitution`; 0 for an elastic impact."""
     if restitution == 1.0:
         return 0.0
-    return float(brentq(lambda b: math.log(restitution_of(b) / restitution), 0.0, 1.0 - 100.0 * math.log(restitution), xtol=1e-14))
+    return float(
+        brentq(
+            lambda b: math.log(restitution_of(b) / restitution),
+            0.0,
+            1.0 - 100.0 * math.log(restitution),
+            xtol=1e-14,
+        )
+    )
 
 
 def pair_table(materials: Sequence[Material], interactions: Sequence[Interaction] = ()) -> PairTable:
@@ -126,7 +133,9 @@ def pair_table(materials: Sequence[Material], interactions: Sequence[Interaction
                 )
             compliance = (1.0 - a.poisson_ratio) / (2.0 * a.shear_modulus)
             compliance += (1.0 - b.poisson_ratio) / (2.0 * b.shear_modulus)
-            shear_compliance = (2.0 - a.poisson_ratio) / a.shear_modulus + (2.0 - b.poisson_ratio) / b.shear_modulus
+            shear_compliance = (2.0 - a.poisson_ratio) / a.shear_modulus + (
+                2.0 - b.poisson_ratio
+            ) / b.shear_modulus
             table.effective_modulus[i, j] = 1.0 / compliance
             table.effective_shear_modulus[i, j] = 1.0 / shear_compliance
             table.damping_ratio[i, j] = damping_ratio(pair.restitution)

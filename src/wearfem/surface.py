@@ -68,16 +68,26 @@ class Surface:
 
     def _check(self) -> None:
         point, triangle, facet = self.point, self.triangle, self.facet
-        if point.ndim != 2 or point.shape[1] != 3 or triangle.ndim != 2 or triangle.shape[1] != 3 or not len(triangle):
+        if (
+            point.ndim != 2
+            or point.shape[1] != 3
+            or triangle.ndim != 2
+            or triangle.shape[1] != 3
+            or not len(triangle)
+        ):
             raise UserError(
                 f"{self.name}: points of shape {point.shape} and triangles of shape {triangle.shape} were given; "
                 "a surface needs (p, 3) points and at least one triangle, (t, 3)."
             )
         if facet.shape != (len(triangle),) or facet.min() < 0:
-            raise UserError(f"{self.name}: one facet number, 0 or more, is needed for each of {len(triangle)} triangles.")
+            raise UserError(
+                f"{self.name}: one facet number, 0 or more, is needed for each of {len(triangle)} triangles."
+            )
         if not np.isfinite(point).all():
             bad = int(np.argmin(np.isfinite(point).all(axis=1)))
-            raise UserError(f"{self.name}: point {bad} is {point[bad].tolist()}; coordinates must be finite numbers in m.")
+            raise UserError(
+                f"{self.name}: point {bad} is {point[bad].tolist()}; coordinates must be finite numbers in m."
+            )
         if triangle.min() < 0 or triangle.max() >= len(point):
             bad = int(np.argmax(((triangle < 0) | (triangle >= len(point))).any(axis=1)))
             raise UserError(
@@ -122,12 +132,20 @@ class Plane:
 
 
 def rectangle(
-    lower: tuple[float, float], upper: tuple[float, float], cells: tuple[int, int], material: Material, *, height=0.0, name="plate"
+    lower: tuple[float, float],
+    upper: tuple[float, float],
+    cells: tuple[int, int],
+    material: Material,
+    *,
+    height=0.0,
+    name="plate",
 ) -> Surface:
     """A horizontal rectangle of `cells` squares cut along one diagonal, normal up; x and y from `lower` to `upper` [m]."""
     nx, ny = cells
     x, y = np.linspace(lower[0], upper[0], nx + 1), np.linspace(lower[1], upper[1], ny + 1)
-    point = np.stack([*np.meshgrid(x, y, indexing="ij"), np.full((nx + 1, ny + 1), height)], axis=-1).reshape(-1, 3)
+    point = np.stack([*np.meshgrid(x, y, indexing="ij"), np.full((nx + 1, ny + 1), height)], axis=-1).reshape(
+        -1, 3
+    )
     a = (np.arange(nx)[:, None] * (ny + 1) + np.arange(ny)).ravel()
     b = a + ny + 1
     triangle = np.stack([a, b, b + 1, a, b + 1, a + 1], axis=1).reshape(-1, 3)

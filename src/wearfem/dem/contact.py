@@ -73,7 +73,14 @@ class HertzMindlin(NamedTuple):
 
     def elastic_energy(self, overlap, pair):
         """8/15 E* sqrt(R* d) d^2 [J]"""
-        return 8.0 / 15.0 * pair.effective_modulus * math.sqrt(pair.effective_radius * overlap) * overlap * overlap
+        return (
+            8.0
+            / 15.0
+            * pair.effective_modulus
+            * math.sqrt(pair.effective_radius * overlap)
+            * overlap
+            * overlap
+        )
 
     def normal_damping(self, overlap, pair):
         """2 sqrt(5/6) beta sqrt(S_n m*) [N s/m]"""
@@ -290,7 +297,9 @@ class Response(NamedTuple):
     my: float
     mz: float
     slip_power: float  # [W] dissipated by Coulomb slip
-    stiffness_power: float  # [W] lost as the tangential stiffness changes under load (the spring law's micro-slip)
+    stiffness_power: (
+        float  # [W] lost as the tangential stiffness changes under load (the spring law's micro-slip)
+    )
     damping_power: float  # [W] dissipated by dashpots
     rolling_power: float  # [W] dissipated by rolling and twisting
     slip: float  # [m] slid in this step
@@ -365,7 +374,9 @@ def respond(contact, pair, touch, memory, time_step):
     ux, uy, uz = sx * ratio + half * vx, sy * ratio + half * vy, sz * ratio + half * vz
     limit = pair.friction * load
     shear_damping = law.tangential_damping(touch.overlap, pair)
-    fx, fy, fz, hx, hy, hz, slip, power = spring_slider(ux, uy, uz, vx, vy, vz, stiffness, shear_damping, limit)
+    fx, fy, fz, hx, hy, hz, slip, power = spring_slider(
+        ux, uy, uz, vx, vy, vz, stiffness, shear_damping, limit
+    )
 
     mx, my, mz, rx, ry, rz, twist, rolling_power = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     along = dot(touch.wx, touch.wy, touch.wz, touch.nx, touch.ny, touch.nz)
@@ -374,11 +385,15 @@ def respond(contact, pair, touch, memory, time_step):
         secant = elastic / touch.overlap
         spring = contact.rolling.rolling_stiffness(secant, pair)
         dashpot = contact.rolling.rolling_damping(spring, time_step, pair)
-        rx, ry, rz = carry(memory.rx, memory.ry, memory.rz, touch.nx, touch.ny, touch.nz, touch.spin * time_step)
+        rx, ry, rz = carry(
+            memory.rx, memory.ry, memory.rz, touch.nx, touch.ny, touch.nz, touch.spin * time_step
+        )
         lost += 0.5 * spring * (growth - ratio * ratio) * (rx * rx + ry * ry + rz * rz)
         rx, ry, rz = rx * ratio + half * wx, ry * ratio + half * wy, rz * ratio + half * wz
         most = contact.rolling.rolling_limit(load, pair)
-        mx, my, mz, rx, ry, rz, rolled, rolling_power = spring_slider(rx, ry, rz, wx, wy, wz, spring, dashpot, most)
+        mx, my, mz, rx, ry, rz, rolled, rolling_power = spring_slider(
+            rx, ry, rz, wx, wy, wz, spring, dashpot, most
+        )
         rolling_power += most * rolled / time_step
         rx, ry, rz = rx + half * wx, ry + half * wy, rz + half * wz
     if contact.twisting.active():

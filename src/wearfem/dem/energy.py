@@ -39,7 +39,10 @@ class Energy:
 
     def lines(self) -> list[str]:
         """One line for each entry."""
-        return [f"{field.name.replace('_', ' '):16s} {getattr(self, field.name):14.6e} J" for field in fields(self)]
+        return [
+            f"{field.name.replace('_', ' '):16s} {getattr(self, field.name):14.6e} J"
+            for field in fields(self)
+        ]
 
 
 def energy(flow: Flow, model: Model) -> Energy:
@@ -62,12 +65,17 @@ def touching_pairs(flow: Flow) -> np.ndarray:
     if pairs is None:
         return np.zeros((0, 3), np.int64)
     place = np.concatenate(
-        [np.arange(start * LANES, end) for start, end in zip(pairs.block_start, pairs.pair_end, strict=True)] or [np.zeros(0, int)]
+        [np.arange(start * LANES, end) for start, end in zip(pairs.block_start, pairs.pair_end, strict=True)]
+        or [np.zeros(0, int)]
     ).astype(np.int64)
     rows = len(pairs.memory) // max(len(pairs.first), 1)
-    stiffness = pairs.memory.reshape(-1, rows, LANES)[place // LANES, 3, place % LANES] if len(place) else np.zeros(0)
+    stiffness = (
+        pairs.memory.reshape(-1, rows, LANES)[place // LANES, 3, place % LANES] if len(place) else np.zeros(0)
+    )
     place = place[stiffness > 0.0]
-    return np.stack([pairs.first[place].astype(np.int64), pairs.second[place].astype(np.int64), place], axis=1)
+    return np.stack(
+        [pairs.first[place].astype(np.int64), pairs.second[place].astype(np.int64), place], axis=1
+    )
 
 
 def elastic_energy(flow: Flow, model: Model) -> float:
@@ -101,13 +109,19 @@ def elastic_energy(flow: Flow, model: Model) -> float:
             here = np.array(point_into_body(pose, body, *x))
             distance = float(np.linalg.norm(here - record[POINT : POINT + 3]))
             normal = (here - record[POINT : POINT + 3]) / distance
-            found[0, 0], found[0, 7:10], found[0, 10:13] = packed[i, 9] - distance, record[POINT : POINT + 3], normal
+            found[0, 0], found[0, 7:10], found[0, 10:13] = (
+                packed[i, 9] - distance,
+                record[POINT : POINT + 3],
+                normal,
+            )
             touch, _ = wall_touch(packed, i, stepper.geometry, pose, body, found, 0)
             wall = model.materials.index(model.walls[body].shape.material)
             pair = _pair(model, packed[i, 9], packed[i, 10], int(packed[i, 11]), wall)
             held = np.concatenate([record[MEMORY : MEMORY + 4 + rolling], record[MEMORY + 7 : MEMORY + 8]])
             velocity, turning = np.array(touch[4:7]), np.array(touch[7:10])
-            total += record[SHARE] * _held(law, pair, touch.overlap, normal, velocity, turning, held, rolling, dt)
+            total += record[SHARE] * _held(
+                law, pair, touch.overlap, normal, velocity, turning, held, rolling, dt
+            )
     return total
 
 

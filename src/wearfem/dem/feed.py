@@ -22,7 +22,9 @@ class Sizes:
                 "all above 0 m and rising."
             )
         if not (share >= 0).all() or not share.sum() > 0 or not np.isfinite(share.sum()):
-            raise UserError(f"The mass shares {self.share} sum to nothing; at least one must be above 0 and none below.")
+            raise UserError(
+                f"The mass shares {self.share} sum to nothing; at least one must be above 0 and none below."
+            )
 
     @property
     def largest(self) -> float:
@@ -36,7 +38,9 @@ class Sizes:
         """(count,) radii [m]; classes are drawn by number, so that mass follows the shares."""
         edge, share = np.asarray(self.edge, float), np.asarray(self.share, float)
         low, high = edge[:-1], edge[1:]
-        mean_cube = np.where(high > low, (high**4 - low**4) / (4.0 * np.where(high > low, high - low, 1.0)), low**3)
+        mean_cube = np.where(
+            high > low, (high**4 - low**4) / (4.0 * np.where(high > low, high - low, 1.0)), low**3
+        )
         number = share / mean_cube
         kind = random.choice(len(share), size=count, p=number / number.sum())
         return low[kind] + (high[kind] - low[kind]) * random.random(count)
@@ -79,7 +83,9 @@ class Inlet:
         """Radii (k,) and positions (k, 3) of new particles of at most the mass `due` [kg] that touch no other."""
         if due <= 0.0:
             return np.zeros(0), np.zeros((0, 3))
-        mean = density * 4.0 / 3.0 * np.pi * float((self.sizes.draw(256, np.random.default_rng(0)) ** 3).mean())
+        mean = (
+            density * 4.0 / 3.0 * np.pi * float((self.sizes.draw(256, np.random.default_rng(0)) ** 3).mean())
+        )
         drawn = self.sizes.draw(int(due / mean) + 1, random)
         mass = np.cumsum(density * 4.0 / 3.0 * np.pi * drawn**3)
         drawn = drawn[mass <= due + 0.5 * density * 4.0 / 3.0 * np.pi * drawn**3]

@@ -41,7 +41,9 @@ class Domain:
 
     def __post_init__(self) -> None:
         if not (np.asarray(self.low) < np.asarray(self.high)).all():
-            raise UserError(f"The domain runs from {self.low} to {self.high} m; each end must lie above its beginning.")
+            raise UserError(
+                f"The domain runs from {self.low} to {self.high} m; each end must lie above its beginning."
+            )
 
 
 @dataclass(frozen=True)
@@ -103,7 +105,9 @@ class Model:
         density = particles.mass / (4.0 / 3.0 * np.pi * particles.radius**3)
         shear = np.array([m.shear_modulus for m in self.materials])[particles.material]
         poisson = np.array([m.poisson_ratio for m in self.materials])[particles.material]
-        return float((np.pi * particles.radius * np.sqrt(density / shear) / (0.1631 * poisson + 0.8766)).min())
+        return float(
+            (np.pi * particles.radius * np.sqrt(density / shear) / (0.1631 * poisson + 0.8766)).min()
+        )
 
 
 @dataclass(frozen=True)
@@ -119,7 +123,9 @@ class Flow:
     packed: np.ndarray | None = None  # (n, PACKED)
     pair_reference: np.ndarray | None = None  # (n, 3) [m] positions when pairs were listed
     wall_reference: np.ndarray | None = None  # (n, 3) [m] positions when walls were listed
-    drift: np.ndarray = field(default_factory=lambda: np.zeros(3))  # [m/s] common velocity since pairs were listed
+    drift: np.ndarray = field(
+        default_factory=lambda: np.zeros(3)
+    )  # [m/s] common velocity since pairs were listed
     travel: np.ndarray = field(default_factory=lambda: np.zeros(3))  # [m] apart from drift, in all, of bodies
     fed: tuple[float, ...] = ()  # [kg] by inlet
     left_mass: float = 0.0  # [kg] through outlets
@@ -130,5 +136,6 @@ class Flow:
         """Sum of m v^2 / 2 + I w^2 / 2 [J]"""
         p = self.particles
         return float(
-            0.5 * (p.mass[:, None] * p.velocity**2).sum() + 0.5 * (p.inertia[:, None] * p.angular_velocity**2).sum()
+            0.5 * (p.mass[:, None] * p.velocity**2).sum()
+            + 0.5 * (p.inertia[:, None] * p.angular_velocity**2).sum()
         )

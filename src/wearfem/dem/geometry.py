@@ -47,7 +47,11 @@ class Geometry(NamedTuple):
 
 
 def geometry(
-    walls: Sequence[tuple[Surface | Plane, Motion]], number: dict, cell: float, period: np.ndarray, low: np.ndarray
+    walls: Sequence[tuple[Surface | Plane, Motion]],
+    number: dict,
+    cell: float,
+    period: np.ndarray,
+    low: np.ndarray,
 ) -> Geometry:
     """Pack surfaces and planes with their motions. `number` maps materials to their numbers; `cell` [m] is a good cell size.
 
@@ -91,7 +95,12 @@ def geometry(
         owners.append(np.array([k]))
     empty = [np.zeros(0, int)]
     origin, size = np.zeros((len(walls), 3)), np.ones(len(walls))
-    cells, offset, start, entries = np.zeros((len(walls), 3), np.int64), np.zeros(len(walls), np.int64), [0], [np.zeros(0, int)]
+    cells, offset, start, entries = (
+        np.zeros((len(walls), 3), np.int64),
+        np.zeros(len(walls), np.int64),
+        [0],
+        [np.zeros(0, int)],
+    )
     for k, grid in enumerate(grids):
         offset[k] = len(start) - 1
         if grid is None:

@@ -22,7 +22,9 @@ class Motion(NamedTuple):
     axis: tuple[float, float, float] = (0.0, 0.0, 1.0)  # of the rotation
     centre: tuple[float, float, float] = (0.0, 0.0, 0.0)  # [m]
     rate: float = 0.0  # [rad/s]
-    path: np.ndarray | None = None  # (k, 4): time [s], shift x, y, z [m]; linear between rows, still before and after
+    path: np.ndarray | None = (
+        None  # (k, 4): time [s], shift x, y, z [m]; linear between rows, still before and after
+    )
 
 
 STILL = Motion()

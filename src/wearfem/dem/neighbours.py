@@ -73,7 +73,11 @@ def plan_grid(position, radius, low, period, skin) -> Grid:
         cells[k] = np.where(period > 0.0, np.maximum(number, 1), number + 1)
         size[k] = np.where(period > 0.0, extent / cells[k], edge)
         offset[k] = total
-        stride[k, fast], stride[k, middle], stride[k, slow] = 1, cells[k, fast], cells[k, fast] * cells[k, middle]
+        stride[k, fast], stride[k, middle], stride[k, slow] = (
+            1,
+            cells[k, fast],
+            cells[k, fast] * cells[k, middle],
+        )
         total += int(np.prod(cells[k]))
     return Grid(level, cells, size, stride, offset, origin, np.zeros(total + 1, np.int64), slow, middle, fast)
 
@@ -128,7 +132,9 @@ def list_range(position, radius, i, begin, end, skin, period, found, most, secon
 
 
 @kernel
-def list_row(position, radius, grid, level, i, coordinate, da, db, from_own, skin, period, found, most, second):
+def list_row(
+    position, radius, grid, level, i, coordinate, da, db, from_own, skin, period, found, most, second
+):
     """Search the row of cells at offset (da, db) on the slower axes; `from_own`: only what comes after particle i."""
     a, b, c = coordinate[grid.slow] + da, coordinate[grid.middle] + db, coordinate[grid.fast]
     if a < 0 or a >= grid.cells[level, grid.slow]:
@@ -143,7 +149,9 @@ def list_row(position, radius, grid, level, i, coordinate, da, db, from_own, ski
     last = grid.cells[level, grid.fast] - 1
     low, high = max(c - 1, 0), min(c + 1, last)
     begin = i + 1 if from_own else grid.start[row + low]
-    found = list_range(position, radius, i, begin, grid.start[row + high + 1], skin, period, found, most, second)
+    found = list_range(
+        position, radius, i, begin, grid.start[row + high + 1], skin, period, found, most, second
+    )
     if period[grid.fast] > 0.0:
         if c == 0 and not from_own:
             begin, end = grid.start[row + last], grid.start[row + last + 1]
@@ -204,14 +212,21 @@ def hand_on_memory(force, rolling, twisting, bounds, chunk, order, old, new):
                     source = k
             if source < 0:
                 sign = -1.0
-                for k in range(old.row_start[partner_was], old.row_start[partner_was] + old.row_count[partner_was]):
+                for k in range(
+                    old.row_start[partner_was], old.row_start[partner_was] + old.row_count[partner_was]
+                ):
                     if old.second[k] == was:
                         source = k
             if source >= 0:
-                there, here = source // LANES * LANES * rows + source % LANES, q // LANES * LANES * rows + q % LANES
+                there, here = (
+                    source // LANES * LANES * rows + source % LANES,
+                    q // LANES * LANES * rows + q % LANES,
+                )
                 for row in range(rows):
                     turns = row < 3 or (4 <= row < 4 + rolled)
-                    new.memory[here + row * LANES] = old.memory[there + row * LANES] * (sign if turns else 1.0)
+                    new.memory[here + row * LANES] = old.memory[there + row * LANES] * (
+                        sign if turns else 1.0
+                    )
 
 
 def empty_pairs(count, chunks, capacity, rows):
@@ -277,7 +292,9 @@ def address_remote(pairs, bounds, crossing):
 def list_chunks(position, radius, grid, bounds, capacity, skin, period, pairs, crossing, found):
     """`list_chunk` for all chunks."""
     for chunk in prange(len(bounds) - 1):
-        found[chunk] = list_chunk(position, radius, grid, bounds, np.int64(chunk), capacity, skin, period, pairs, crossing)
+        found[chunk] = list_chunk(
+            position, radius, grid, bounds, np.int64(chunk), capacity, skin, period, pairs, crossing
+        )
 
 
 @parallel

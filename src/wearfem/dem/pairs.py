@@ -37,7 +37,9 @@ class PairList(NamedTuple):
     second: np.ndarray  # (p,) uint32, partner
     memory: np.ndarray  # (p * rows,) by block, row, lane: see contact.Memory
     block_start: np.ndarray  # (chunks,) int64, first block of a chunk
-    pair_end: np.ndarray  # (chunks,) int64, one past the last pair of a chunk; its last block is padded beyond
+    pair_end: (
+        np.ndarray
+    )  # (chunks,) int64, one past the last pair of a chunk; its last block is padded beyond
     row_start: np.ndarray  # (n,) int64, first pair of a particle
     row_count: np.ndarray  # (n,) int32, number of its pairs
     slot: np.ndarray  # (p,) int32, place in `remote` of a pair whose partner lives in another chunk, else -1
@@ -187,7 +189,11 @@ def scatter(wrench, remote, first, second, slot, buffer):
     """Add one block's forces and torques to its particles, or leave them in `remote` for a partner elsewhere."""
     for q in range(len(first)):
         i, j = first[q], second[q]
-        fx, fy, fz = buffer[FORCE * LANES + q], buffer[(FORCE + 1) * LANES + q], buffer[(FORCE + 2) * LANES + q]
+        fx, fy, fz = (
+            buffer[FORCE * LANES + q],
+            buffer[(FORCE + 1) * LANES + q],
+            buffer[(FORCE + 2) * LANES + q],
+        )
         tx = buffer[PARTNER_TORQUE * LANES + q]
         ty = buffer[(PARTNER_TORQUE + 1) * LANES + q]
         tz = buffer[(PARTNER_TORQUE + 2) * LANES + q]

@@ -58,7 +58,9 @@ class Stepper:
         radius = particles.radius
         few = particles.count < 10
         self.pair_skin = model.pair_skin or float(0.25 * radius.mean() if len(radius) else 1e-3)
-        self.wall_skin = model.wall_skin or float((1.0 if few else 0.5) * radius.mean() if len(radius) else 1e-3)
+        self.wall_skin = model.wall_skin or float(
+            (1.0 if few else 0.5) * radius.mean() if len(radius) else 1e-3
+        )
         largest = max([*radius, *(inlet.sizes.largest for inlet in model.inlets), 1e-6])
         number = {material: k for k, material in enumerate(model.materials)}
         walls = [(wall.shape, wall.motion) for wall in model.walls]
@@ -66,7 +68,12 @@ class Stepper:
         self.geometry = geometry(walls, number, 2.0 * (largest + self.wall_skin), model.period, low)
         self.bodies = bodies([motion for _, motion in walls])
         self.constants = Constants(
-            np.asarray(model.gravity, float), model.time_step, self.pair_skin, self.wall_skin, low, model.period
+            np.asarray(model.gravity, float),
+            model.time_step,
+            self.pair_skin,
+            self.wall_skin,
+            low,
+            model.period,
         )
         self.tally = empty_tally(model.facet_count)
         self.clock = np.array([flow.step, 0])
@@ -78,7 +85,10 @@ class Stepper:
         self.packed = np.zeros((particles.count, PACKED)) if flow.packed is None else flow.packed.copy()
         if flow.pairs is None or flow.walls is None:
             chunks = len(chunk_bounds(particles.count)) - 1
-            self.pairs, self.walls = empty_pairs(particles.count, chunks, LANES, self.rows), empty_walls(particles.count)
+            self.pairs, self.walls = (
+                empty_pairs(particles.count, chunks, LANES, self.rows),
+                empty_walls(particles.count),
+            )
             if particles.count:
                 self.list_again()
             else:
@@ -137,14 +147,24 @@ class Stepper:
         row_of = self.walls.row_of if was is None else self.walls.row_of[was]
         wrap(p, self.packed, row_of, self.walls, self.constants.low, self.constants.period)
         bounds = chunk_bounds(p.count)
-        grid, order = sort_into_cells(p.position, p.radius, self.constants.low, self.constants.period, self.pair_skin)
+        grid, order = sort_into_cells(
+            p.position, p.radius, self.constants.low, self.constants.period, self.pair_skin
+        )
         self.particles = Particles(*(np.empty_like(array) for array in p))
         copy_particles(p, self.particles, order, bounds)
         self.packed = self.packed[order]
         was = order if was is None else was[order]
         p = self.particles
         self.pairs = list_pairs(
-            self.model.contact, p.position, p.radius, grid, bounds, was, self.pairs, self.pair_skin, self.constants.period
+            self.model.contact,
+            p.position,
+            p.radius,
+            grid,
+            bounds,
+            was,
+            self.pairs,
+            self.pair_skin,
+            self.constants.period,
         )
         self.pair_reference = p.position.copy()
         middle_velocity(p.velocity, self.drift)
@@ -156,7 +176,9 @@ class Stepper:
         p = self.particles
         was = np.arange(p.count) if was is None else was
         bounds = chunk_bounds(p.count)
-        self.walls = list_walls(self.geometry, self.pose(), p.position, p.radius, bounds, self.wall_skin, was, self.walls)
+        self.walls = list_walls(
+            self.geometry, self.pose(), p.position, p.radius, bounds, self.wall_skin, was, self.walls
+        )
         self.wall_reference = p.position.copy()
         self.travel[1:] = 0.0
         self.tally = with_room(self.tally, self.walls.chunk_start)
@@ -198,7 +220,9 @@ class Stepper:
                 f"{np.round(p.position[i], 4).tolist()} m; the time step {self.model.time_step:g} s is probably too long for "
                 "its contacts (`wearfem check` says which is safe), or particles overlapped at the start."
             )
-        return UserError(f"More wall contacts than there is room for at {time:.6g} s; are triangles much smaller than particles?")
+        return UserError(
+            f"More wall contacts than there is room for at {time:.6g} s; are triangles much smaller than particles?"
+        )
 
     def replace_particles(self, particles: Particles, was: np.ndarray) -> None:
         """Go on with other particles; `was` (n,) is their place among the old ones, counting on from the last for new ones."""
@@ -207,7 +231,9 @@ class Stepper:
             row_start=np.concatenate([self.pairs.row_start, np.zeros(new, np.int64)]),
             row_count=np.concatenate([self.pairs.row_count, np.zeros(new, np.int32)]),
         )
-        self.walls = self.walls._replace(row_of=np.concatenate([self.walls.row_of, np.full(new, -1, np.int32)]))
+        self.walls = self.walls._replace(
+            row_of=np.concatenate([self.walls.row_of, np.full(new, -1, np.int32)])
+        )
         self.packed = np.concatenate([self.packed, np.zeros((new, PACKED))])[was]
         self.particles = particles
         if particles.count:
@@ -237,14 +263,23 @@ class Stepper:
         for k, inlet in enumerate(self.model.inlets):
             random = np.random.default_rng([inlet.seed, k, int(self.clock[0])])
             density = self.model.materials[inlet.material].density
-            radius, position = inlet.place(inlet.due(time) - fed[k], density, self.particles, self.constants.period, random)
+            radius, position = inlet.place(
+                inlet.due(time) - fed[k], density, self.particles, self.constants.period, random
+            )
             if len(radius):
                 new = spheres(
-                    position, radius, density, velocity=inlet.velocity, material=inlet.material, first_ident=self.next_ident
+                    position,
+                    radius,
+                    density,
+                    velocity=inlet.velocity,
+                    material=inlet.material,
+                    first_ident=self.next_ident,
                 )
                 self.next_ident += len(radius)
                 fed[k] += float(new.mass.sum())
-                self.replace_particles(joined(self.particles, new), np.arange(self.particles.count + new.count))
+                self.replace_particles(
+                    joined(self.particles, new), np.arange(self.particles.count + new.count)
+                )
         self.flow = replace(flow, fed=tuple(fed))
 
 
@@ -284,7 +319,11 @@ def sample(
     stepper = Stepper(flow, model)
     total = max(1, round(window.duration / model.time_step))
     ends = np.unique(np.linspace(0, total, window.block_count + 1).round().astype(int)[1:])
-    keep = set(np.linspace(0, total, window.snapshots + 1).round().astype(int)[1:]) if window.snapshots else set()
+    keep = (
+        set(np.linspace(0, total, window.snapshots + 1).round().astype(int)[1:])
+        if window.snapshots
+        else set()
+    )
     stride = stepper.stride(total)
     blocks, durations, snapshots, done = [], [], [], 0
     for end in ends:
@@ -341,17 +380,28 @@ def check_start(flow: Flow, model: Model) -> None:
         with the particle, the place and what to do.
     """
     p, domain = flow.particles, model.domain
-    for what, array in (("position", p.position), ("velocity", p.velocity), ("radius", p.radius), ("mass", p.mass)):
+    for what, array in (
+        ("position", p.position),
+        ("velocity", p.velocity),
+        ("radius", p.radius),
+        ("mass", p.mass),
+    ):
         good = np.isfinite(array.reshape(len(array), -1)).all(axis=1)
         if not good.all():
             i = int(np.argmin(good))
-            raise UserError(f"Particle {p.ident[i]}: its {what} is {array[i].tolist()}; it must be a finite number.")
+            raise UserError(
+                f"Particle {p.ident[i]}: its {what} is {array[i].tolist()}; it must be a finite number."
+            )
     if not p.count:
         return
     if not (p.radius > 0).all():
-        raise UserError(f"Particle {p.ident[int(np.argmin(p.radius))]} has the radius {p.radius.min():g} m; it must be above 0.")
+        raise UserError(
+            f"Particle {p.ident[int(np.argmin(p.radius))]} has the radius {p.radius.min():g} m; it must be above 0."
+        )
     if p.material.max(initial=0) >= len(model.materials):
-        raise UserError(f"A particle has material {p.material.max()}, but materials are numbered 0 to {len(model.materials) - 1}.")
+        raise UserError(
+            f"A particle has material {p.material.max()}, but materials are numbered 0 to {len(model.materials) - 1}."
+        )
     if p.radius.max() > 255.0 * p.radius.min():
         raise UserError(
             f"Radii run from {p.radius.min():g} to {p.radius.max():g} m, a ratio above 255; drop the smallest or the largest."

@@ -140,13 +140,26 @@ def _finish_and_begin(particles, packed, pairs, drift, constants, work, bounds, 
     if finish:
         collect_remote(particles.wrench, pairs, chunk)
     low, high = bounds[chunk], bounds[chunk + 1]
-    move(particles, packed, constants.gravity, drift, constants.time_step, low, high, finish, begin, work[chunk])
+    move(
+        particles,
+        packed,
+        constants.gravity,
+        drift,
+        constants.time_step,
+        low,
+        high,
+        finish,
+        begin,
+        work[chunk],
+    )
 
 
 @parallel
 def _finish_and_begin_all(particles, packed, pairs, drift, constants, work, bounds, finish, begin):
     for chunk in prange(len(bounds) - 1):
-        _finish_and_begin(particles, packed, pairs, drift, constants, work, bounds, np.int64(chunk), finish, begin)
+        _finish_and_begin(
+            particles, packed, pairs, drift, constants, work, bounds, np.int64(chunk), finish, begin
+        )
 
 
 @compiled
@@ -156,7 +169,9 @@ def _forces(
 ):  # fmt: skip
     contact = Contact(force, rolling, twisting)
     dt = constants.time_step
-    pair_forces(contact, table, packed, wrench, pairs, chunk, buffers[chunk], kinds[chunk], constants.period, dt)
+    pair_forces(
+        contact, table, packed, wrench, pairs, chunk, buffers[chunk], kinds[chunk], constants.period, dt
+    )
     wall_forces(
         contact, custom, table, geometry, pose, packed, wrench, walls, tally, chunk, new_scratch(), work, dt
     )  # fmt: skip
@@ -201,7 +216,9 @@ def step_on(
         if not listing:
             finish, begin = begun > 0 or clock[1] > 0, begun < steps
             if chunks == 1:
-                _finish_and_begin(particles, packed, pairs, drift, constants, work, bounds, only, finish, begin)
+                _finish_and_begin(
+                    particles, packed, pairs, drift, constants, work, bounds, only, finish, begin
+                )
             else:
                 _finish_and_begin_all(particles, packed, pairs, drift, constants, work, bounds, finish, begin)
             clock[1] = 0
@@ -248,5 +265,3 @@ def step_on(
             base = (DISSIPATED + loss) * LANES
             ledger[SLIP_LOSS + loss] += work[chunk, 3 + loss] + buffers[chunk, base : base + LANES].sum() * dt
     return begun, status
-
-

@@ -109,7 +109,11 @@ def candidates_into_world(geometry, pose, found, item, count):
     for a in range(count):
         b = geometry.body[item[a]]
         x, y, z = into_world(pose, b, found[a, AT], found[a, AT + 1], found[a, AT + 2])
-        found[a, 1], found[a, 2], found[a, 3] = x + pose[b, ORIGIN], y + pose[b, ORIGIN + 1], z + pose[b, ORIGIN + 2]
+        found[a, 1], found[a, 2], found[a, 3] = (
+            x + pose[b, ORIGIN],
+            y + pose[b, ORIGIN + 1],
+            z + pose[b, ORIGIN + 2],
+        )
         x, y, z = into_world(pose, b, found[a, ALONG], found[a, ALONG + 1], found[a, ALONG + 2])
         found[a, 4], found[a, 5], found[a, 6] = x, y, z
 
@@ -133,7 +137,9 @@ def matching_record(walls, row, body, found, a, radius, taken):
 class Scratch(NamedTuple):
     """Working memory of one chunk's wall contacts."""
 
-    found: np.ndarray  # (MOST_CANDIDATES, 13): overlap, point and normal in the world frame, then in the body's
+    found: (
+        np.ndarray
+    )  # (MOST_CANDIDATES, 13): overlap, point and normal in the world frame, then in the body's
     item: np.ndarray  # (MOST_CANDIDATES,) int32
     share: np.ndarray  # (MOST_CANDIDATES,)
     record: np.ndarray  # (MOST_TOUCHING, RECORD)
@@ -193,12 +199,32 @@ def _same_place(geometry, found, item, a, b, radius):
         return True
     if geometry.body[item[a]] != geometry.body[item[b]] or geometry.facet[item[b]] < 0:
         return False
-    dx, dy, dz = found[a, AT] - found[b, AT], found[a, AT + 1] - found[b, AT + 1], found[a, AT + 2] - found[b, AT + 2]
+    dx, dy, dz = (
+        found[a, AT] - found[b, AT],
+        found[a, AT + 1] - found[b, AT + 1],
+        found[a, AT + 2] - found[b, AT + 2],
+    )
     return dx * dx + dy * dy + dz * dz < 1e-18 * radius * radius
 
 
 @inlined
-def _leave_loads(custom, geometry, tally, chunk, found, item, count, a, touch, answer, fresh, energy, part, radius, time_step):
+def _leave_loads(
+    custom,
+    geometry,
+    tally,
+    chunk,
+    found,
+    item,
+    count,
+    a,
+    touch,
+    answer,
+    fresh,
+    energy,
+    part,
+    radius,
+    time_step,
+):
     """Enter what contact a did to its facet; on a joint, equal parts for each triangle there."""
     approach = -dot(touch.vx, touch.vy, touch.vz, touch.nx, touch.ny, touch.nz)
     sx, sy, sz = tangent(touch.vx, touch.vy, touch.vz, touch.nx, touch.ny, touch.nz)
@@ -210,7 +236,9 @@ def _leave_loads(custom, geometry, tally, chunk, found, item, count, a, touch, a
     if fresh:
         angle = math.degrees(math.atan2(max(approach, 0.0), sliding))
         angle_class = min(int(angle * ANGLE_CLASSES / 90.0), ANGLE_CLASSES - 1)
-        speed_class = half_decade(math.sqrt(sliding * sliding + approach * approach), LOWEST_SPEED, SPEED_CLASSES)
+        speed_class = half_decade(
+            math.sqrt(sliding * sliding + approach * approach), LOWEST_SPEED, SPEED_CLASSES
+        )
     ties = 1
     if count > 1:
         ties = 0
@@ -244,7 +272,9 @@ def wall_forces_on(
     i = walls.particle[row]
     found, item, share, record = scratch.found, scratch.item, scratch.share, scratch.record
     radius, mass, mine = packed[i, 9], packed[i, 10], int(packed[i, 11])
-    count = touching_candidates(geometry, pose, walls, row, packed[i, 0], packed[i, 1], packed[i, 2], radius, found, item)
+    count = touching_candidates(
+        geometry, pose, walls, row, packed[i, 0], packed[i, 1], packed[i, 2], radius, found, item
+    )
     acting = 0
     share[0] = 1.0
     if count > 0:
@@ -286,9 +316,17 @@ def wall_forces_on(
         scratch.body[acting] = body
         for c in range(3):
             record[acting, POINT + c], record[acting, DIRECTION + c] = found[a, AT + c], found[a, ALONG + c]
-        record[acting, MEMORY], record[acting, MEMORY + 1], record[acting, MEMORY + 2] = kept.sx, kept.sy, kept.sz
+        record[acting, MEMORY], record[acting, MEMORY + 1], record[acting, MEMORY + 2] = (
+            kept.sx,
+            kept.sy,
+            kept.sz,
+        )
         record[acting, MEMORY + 3] = kept.stiffness
-        record[acting, MEMORY + 4], record[acting, MEMORY + 5], record[acting, MEMORY + 6] = kept.rx, kept.ry, kept.rz
+        record[acting, MEMORY + 4], record[acting, MEMORY + 5], record[acting, MEMORY + 6] = (
+            kept.rx,
+            kept.ry,
+            kept.rz,
+        )
         record[acting, MEMORY + 7], record[acting, SHARE] = kept.twist, part
         acting += 1
 
@@ -329,7 +367,9 @@ def wall_forces_on(
 
 
 @kernel
-def wall_forces(contact, custom, table, geometry, pose, packed, wrench, walls, tally, chunk, scratch, work, time_step):
+def wall_forces(
+    contact, custom, table, geometry, pose, packed, wrench, walls, tally, chunk, scratch, work, time_step
+):
     """Add the wall forces of one chunk's particles to `wrench` and their loads to the chunk's entries."""
     room = tally.start[chunk + 1] - tally.start[chunk] - MOST_ENTRIES
     for row in range(walls.chunk_start[chunk], walls.chunk_start[chunk + 1]):
@@ -353,7 +393,9 @@ def near_walls(geometry, pose, position, radius, skin, low, high, counts, candid
         before = found
         reach = radius[i] + skin
         for plane in range(triangles, len(geometry.normal)):
-            x, y, z = point_into_body(pose, geometry.body[plane], position[i, 0], position[i, 1], position[i, 2])
+            x, y, z = point_into_body(
+                pose, geometry.body[plane], position[i, 0], position[i, 1], position[i, 2]
+            )
             if abs(height_above(geometry, plane, x, y, z)) < reach:
                 if found < len(candidates):
                     candidates[found] = plane
@@ -372,7 +414,11 @@ def _near_triangles(geometry, body, x, y, z, reach, found, before, candidates):
     """Append the triangles of one body within reach of a point in its frame, each once."""
     size = geometry.cell_size[body]
     cx, cy, cz = geometry.cell_count[body, 0], geometry.cell_count[body, 1], geometry.cell_count[body, 2]
-    ox, oy, oz = x - geometry.cell_origin[body, 0], y - geometry.cell_origin[body, 1], z - geometry.cell_origin[body, 2]
+    ox, oy, oz = (
+        x - geometry.cell_origin[body, 0],
+        y - geometry.cell_origin[body, 1],
+        z - geometry.cell_origin[body, 2],
+    )
     a0, a1 = max(int(math.floor((ox - reach) / size)), 0), min(int(math.floor((ox + reach) / size)), cx - 1)
     b0, b1 = max(int(math.floor((oy - reach) / size)), 0), min(int(math.floor((oy + reach) / size)), cy - 1)
     c0, c1 = max(int(math.floor((oz - reach) / size)), 0), min(int(math.floor((oz + reach) / size)), cz - 1)
@@ -387,7 +433,11 @@ def _near_triangles(geometry, body, x, y, z, reach, found, before, candidates):
                         continue
                     outside = False
                     for axis in range(3):
-                        p, q, r = geometry.corner[t, axis], geometry.corner[t, 3 + axis], geometry.corner[t, 6 + axis]
+                        p, q, r = (
+                            geometry.corner[t, axis],
+                            geometry.corner[t, 3 + axis],
+                            geometry.corner[t, 6 + axis],
+                        )
                         here = x if axis == 0 else (y if axis == 1 else z)
                         outside = outside or here < min(p, q, r) - reach or here > max(p, q, r) + reach
                     if outside:
@@ -407,7 +457,15 @@ def near_walls_all(geometry, pose, position, radius, skin, bounds, counts, candi
     """`near_walls` for all chunks."""
     for chunk in prange(len(bounds) - 1):
         found[chunk] = near_walls(
-            geometry, pose, position, radius, skin, bounds[chunk], bounds[chunk + 1], counts, candidates[chunk]
+            geometry,
+            pose,
+            position,
+            radius,
+            skin,
+            bounds[chunk],
+            bounds[chunk + 1],
+            counts,
+            candidates[chunk],
         )
 
 
