@@ -36,7 +36,7 @@ def test_pair_constants_by_hand():
 
 def test_chi_of_maw_barber_and_fawcett_1981_disc():
     """Their thin disc, K^2 = 1/2 and nu = 0.28, has chi = 1.2558 (printed)."""
-    assert 0.72 * (1.0 + 2.0) / 1.72 == pytest.approx(1.2558, abs=5e-5)  # half the last printed digit
+    assert pytest.approx(1.2558, abs=5e-5) == 0.72 * (1.0 + 2.0) / 1.72  # half the last printed digit
     base = theory.contact_pair(Sphere(0.01, 1000.0, 1e9, 0.28), Plane())
     disc = theory.ContactPair(**{**base.__dict__, "tangential_mass": base.effective_mass / 3.0})
     assert disc.chi == pytest.approx(1.2558, abs=5e-5)  # half the last printed digit

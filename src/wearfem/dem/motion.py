@@ -26,6 +26,11 @@ class Motion(NamedTuple):
         None  # (k, 4): time [s], shift x, y, z [m]; linear between rows, still before and after
     )
 
+    @property
+    def moves(self) -> bool:
+        """Whether this is a motion at all."""
+        return bool(any(self.velocity) or any(self.amplitude) or self.rate or self.path is not None)
+
 
 STILL = Motion()
 
