@@ -11,6 +11,7 @@ PACKAGE = Path(__file__).parents[2] / "src" / "wearfem"
 LAYERS = (
     {"cli"},
     {"report", "study", "verify", "bench", "check"},
+    {"proofs"},
     {"verification"},
     {"run"},
     {"record", "cycle", "progress", "pictures"},
@@ -18,7 +19,7 @@ LAYERS = (
     {"settings"},
     {"dem", "liner", "wear", "survey"},
     {"surface", "loads", "material"},
-    {"vector", "units", "jit", "errors"},
+    {"vector", "units", "jit", "errors", "proof"},
 )
 SIBLINGS = {"dem", "liner", "wear", "survey"}  # never import one another ...
 SIBLING_ARROWS = {("survey", "wear")}  # ... except here
