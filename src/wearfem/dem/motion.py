@@ -12,7 +12,8 @@ from wearfem.jit import compiled, kernel
 class Motion(NamedTuple):
     """A prescribed rigid motion: a turn about an axis, then a shift that is steady, vibrating and tabulated at once.
 
-    shift(t) = velocity t + amplitude sin(2 pi frequency t + phase) + path(t),  turn(t) = rate t about `axis` through `centre`.
+    shift(t) = velocity t + amplitude sin(2 pi frequency t + phase) + path(t),
+    turn(t) = rate (clip(t, start, stop) - start) about `axis` through `centre`: it rests before `start` and stays where it was at `stop`.
     """
 
     velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)  # [m/s]
@@ -22,6 +23,8 @@ class Motion(NamedTuple):
     axis: tuple[float, float, float] = (0.0, 0.0, 1.0)  # of the rotation
     centre: tuple[float, float, float] = (0.0, 0.0, 0.0)  # [m]
     rate: float = 0.0  # [rad/s]
+    start: float = 0.0  # [s] of the turning
+    stop: float = math.inf  # [s] of the turning
     path: np.ndarray | None = (
         None  # (k, 4): time [s], shift x, y, z [m]; linear between rows, still before and after
     )
@@ -35,9 +38,13 @@ class Motion(NamedTuple):
 STILL = Motion()
 
 
-def rotation(rate: float, *, axis=(0.0, 0.0, 1.0), centre=(0.0, 0.0, 0.0)) -> Motion:
-    """Steady turning at `rate` [rad/s] about `axis` through `centre` [m]."""
-    return Motion(rate=rate, axis=axis, centre=centre)
+def rotation(
+    rate: float, *, axis=(0.0, 0.0, 1.0), centre=(0.0, 0.0, 0.0), start: float = 0.0, stop: float = math.inf
+) -> Motion:
+    """Steady turning at `rate` [rad/s] about `axis` through `centre` [m], from `start` to `stop` [s]."""
+    if not stop > start:
+        raise UserError(f"A rotation from {start} to {stop} s was given; it must stop after its start.")
+    return Motion(rate=rate, axis=axis, centre=centre, start=start, stop=stop)
 
 
 def translation(velocity: tuple[float, float, float]) -> Motion:
@@ -64,14 +71,16 @@ def along_path(path: np.ndarray) -> Motion:
 class Bodies(NamedTuple):
     """The motions of all rigid bodies as arrays; a body is a surface or a plane with its motion."""
 
-    constant: np.ndarray  # (b, 15): velocity 3, amplitude 3, frequency, phase, axis 3 (unit), centre 3, rate
+    constant: (
+        np.ndarray
+    )  # (b, 17): velocity 3, amplitude 3, frequency, phase, axis 3 (unit), centre 3, rate, start, stop
     path: np.ndarray  # (k, 4) tables of all bodies, one after the other
     path_start: np.ndarray  # (b + 1,) int64
 
 
 def bodies(motions: list[Motion]) -> Bodies:
     """Pack motions for the kernels."""
-    constant = np.zeros((len(motions), 15))
+    constant = np.zeros((len(motions), 17))
     tables, start = [np.zeros((0, 4))], [0]
     for row, motion in zip(constant, motions, strict=True):
         length = math.sqrt(sum(c * c for c in motion.axis))
@@ -80,7 +89,7 @@ def bodies(motions: list[Motion]) -> Bodies:
         row[0:3], row[3:6] = motion.velocity, motion.amplitude
         row[6], row[7] = motion.frequency, motion.phase
         row[8:11] = np.asarray(motion.axis) / length
-        row[11:14], row[14] = motion.centre, motion.rate
+        row[11:14], row[14:17] = motion.centre, (motion.rate, motion.start, motion.stop)
         tables.append(motion.path if motion.path is not None else np.zeros((0, 4)))
         start.append(start[-1] + len(tables[-1]))
     return Bodies(constant, np.concatenate(tables), np.array(start))
@@ -97,7 +106,9 @@ def pose_at(bodies, body, time, pose):
     c = bodies.constant[body]
     angle = 2.0 * math.pi * c[6] * time + c[7]
     swing, swing_rate = math.sin(angle), 2.0 * math.pi * c[6] * math.cos(angle)
-    sine, cosine = math.sin(c[14] * time), math.cos(c[14] * time)
+    turn = c[14] * (min(max(time, c[15]), c[16]) - c[15])
+    rate = c[14] if c[15] <= time < c[16] else 0.0
+    sine, cosine = math.sin(turn), math.cos(turn)
     x, y, z = c[8], c[9], c[10]
     versine = 1.0 - cosine
     pose[ROTATION + 0] = cosine + x * x * versine
@@ -111,7 +122,7 @@ def pose_at(bodies, body, time, pose):
     pose[ROTATION + 8] = cosine + z * z * versine
     for k in range(3):
         pose[VELOCITY + k] = c[k] + c[3 + k] * swing_rate
-        pose[TURNING + k] = c[8 + k] * c[14]
+        pose[TURNING + k] = c[8 + k] * rate
         pose[PIVOT + k] = c[11 + k] + c[k] * time + c[3 + k] * swing
     begin, end = bodies.path_start[body], bodies.path_start[body + 1]
     if end > begin:

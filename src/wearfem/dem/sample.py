@@ -1,6 +1,7 @@
 """Move a flow through time, and sample what it does to the facets."""
 
 from collections.abc import Callable, Sequence
+from copy import deepcopy
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -356,7 +357,7 @@ def sample(
             done += steps
             stepper.take_out()
             if done in keep:
-                snapshots.append(stepper.result())
+                snapshots.append(deepcopy(stepper.result()))  # its arrays change in place
             if tell is not None:
                 tell(done * model.time_step, f"{stepper.particles.count} particles")
         blocks.append(stepper.tally)
