@@ -166,15 +166,12 @@ def spring_impact(
 ) -> SpringImpact:
     """Oblique impact by Hertz, one tangential spring and a Coulomb limit, integrated from event to event.
 
-    Spring force q = k d, k = 8 G* a. While it sticks d' = v_s; on increasing overlap `rescale` keeps the
+    Spring force q = k d, k = 8 G* a. While it holds d' = v_s; on increasing overlap `rescale` keeps the
     force as k grows (Mindlin: the new contact area is laid down unstressed), otherwise, and on decreasing
-    overlap, the displacement is kept. Dashpot 2 sqrt(5/6) beta sqrt(k m*) v_s. At |q + dashpot| = mu F the
-    contact slides: q = mu F, no dashpot. Friction has no hold while the normal force pulls, so the
+    overlap, the displacement is kept. At |q| = mu F the spring slips: q = mu F, until it alone would fall
+    behind mu F. Dashpot c v_s, c = 2 sqrt(5/6) beta sqrt(k m*), as far as the limit leaves room for it:
+    T = q + c v_s, cut off at mu F on both sides. Friction has no hold while the normal force pulls, so the
     tangential motion is the same with and without tension.
-
-    In the limit of small steps the contact sticks again when the spring alone would fall behind mu F (no
-    damping), or when the slip turns (with damping); a limit met while the slip runs against the spring
-    resets the spring only.
 
     Parameters
     ----------
@@ -199,7 +196,7 @@ def spring_impact(
 
 
 class _SpringContact:
-    """The spring law as two smooth motions (stick, slide) and the events between them.
+    """The spring law as two motions, the spring holds or slips, and the events between them.
 
     State: x, x', slip velocity, spring. The spring is held as its force while the overlap grows (with
     rescaling), else as its displacement.
@@ -211,9 +208,8 @@ class _SpringContact:
         self.rate_of_slip = 2.0 * chi
         self.normal_dashpot = 2.5 * damping
         self.tangential_dashpot = 2.5 * damping / math.sqrt(stiffness_ratio)
-        self.restitution = (
-            restitution_at_zero_overlap(damping) if tension else restitution_without_tension(damping)
-        )
+        self.pushed = restitution_without_tension(damping)
+        self.restitution = restitution_at_zero_overlap(damping) if tension else self.pushed
         self.rescale = rescale
         self.keeps_force = rescale
         self.sign = 1.0
@@ -232,29 +228,34 @@ class _SpringContact:
     def held(self, force: float, overlap: float) -> float:
         return force if self.keeps_force else force / (STIFFNESS * math.sqrt(overlap))
 
-    def trial(self, state: Array) -> float:
-        return float(self.spring(state) + self.tangential_dashpot * max(state[0], 0.0) ** 0.25 * state[2])
+    def friction(self, spring: float, state: Array) -> float:
+        """Spring and dashpot together, cut off at the limit."""
+        limit = self.limit(state)
+        total = spring + self.tangential_dashpot * max(state[0], 0.0) ** 0.25 * state[2]
+        return float(min(max(total, -limit), limit))
 
     def stick(self, _: float, state: Array) -> list[float]:
         stiffness = STIFFNESS * math.sqrt(max(state[0], 0.0)) if self.keeps_force else 1.0
-        return [
-            state[1],
-            -self.normal_force(state),
-            -self.rate_of_slip * self.trial(state),
-            stiffness * state[2],
-        ]
+        pull = self.friction(self.spring(state), state)
+        return [state[1], -self.normal_force(state), -self.rate_of_slip * pull, stiffness * state[2]]
 
     def slide(self, _: float, state: Array) -> list[float]:
-        return [state[1], -self.normal_force(state), -self.rate_of_slip * self.sign * self.limit(state), 0.0]
+        pull = self.friction(self.sign * self.limit(state), state)
+        return [state[1], -self.normal_force(state), -self.rate_of_slip * pull, 0.0]
 
     def over_limit(self, _: float, state: Array) -> float:
-        return abs(self.trial(state)) - self.limit(state)
+        return abs(self.spring(state)) - self.limit(state)
 
     def sticks_again(self, _: float, state: Array) -> float:
+        """How much faster the spring at its limit would grow than the limit does; over sqrt(x)."""
+        overlap, rate = max(state[0], 1e-30), state[1]
+        limit_rate, lost = 1.875 * rate, 0.625 * rate
         if self.normal_dashpot > 0.0:
-            return self.sign * float(state[2])
-        lost = 0.0 if self.keeps_force else 0.625 * state[1]
-        return float(STIFFNESS * self.sign * state[2] + lost - 1.875 * state[1])
+            change = 0.25 * rate**2 / overlap - self.normal_force(state)
+            limit_rate += self.normal_dashpot * overlap**-0.25 * change
+            lost += 0.5 * self.normal_dashpot * overlap**-1.25 * rate**2
+        own = STIFFNESS * self.sign * state[2]
+        return float(own - limit_rate if self.keeps_force else own + lost - limit_rate)
 
     def turned(self, _: float, state: Array) -> float:
         return float(state[1])
@@ -266,9 +267,8 @@ class _SpringContact:
         time = 1e-10
         force = STIFFNESS * incidence * time**1.5 * (2.0 / 3.0 if self.rescale else 1.0)
         state = np.array([time, 1.0, incidence, self.held(force, time)])
-        sticking = self.trial(state) < self.limit(state)
-        always_sliding, growing = not sticking, True
-        nudge = 1e-7
+        sticking = abs(self.spring(state)) < self.limit(state)
+        growing = True
         for _ in range(10_000):
             motion = self.stick if sticking else self.slide
             changes = _event(self.over_limit, 1) if sticking else _event(self.sticks_again, -1)
@@ -278,22 +278,17 @@ class _SpringContact:
             )
             time, state = float(leg.t[-1]), leg.y[:, -1].copy()
             if leg.t_events[0].size:
-                return SpringImpact(float(state[2]), self.restitution, always_sliding)
+                slid = incidence - self.rate_of_slip * (1.0 + self.pushed)
+                return SpringImpact(float(state[2]), self.restitution, bool(abs(state[2] - slid) < 1e-7))
             if growing and leg.t_events[2].size:
                 kept = self.spring(state)
                 growing, self.keeps_force = False, False
                 state[3] = self.held(kept, state[0])
                 continue
             if sticking:
-                self.sign = math.copysign(1.0, self.trial(state))
-                sticking = self.normal_dashpot > 0.0 and self.sign * state[2] < 0.0
-                state[3] = self.held(self.sign * self.limit(state), state[0])
-            else:
-                if self.normal_dashpot > 0.0:
-                    state = state + nudge * np.array(self.slide(time, state))
-                    time += nudge
-                state[3] = self.held(self.sign * self.limit(state), state[0])
-                sticking, always_sliding = True, False
+                self.sign = math.copysign(1.0, self.spring(state))
+            state[3] = self.held(self.sign * self.limit(state), state[0])
+            sticking = not sticking
         raise RuntimeError("the spring contact changed between stick and slip more than 10 000 times")
 
 
