@@ -473,7 +473,7 @@ def test_spring_law_limits_of_sliding():
         below, above = (oblique._SpringContact(CHI, 0.8, 0.0, True, rescale) for _ in range(2))
         force = 1.875 * 1e-15 * (2.0 / 3.0 if rescale else 1.0)
         for contact, angle, sticks in ((below, first - 1e-6, True), (above, first + 1e-6, False)):
-            state = np.array([1e-10, 1.0, angle, contact.held(force * angle, 1e-10)])
+            state = np.array([1e-10, 1.0, angle, 0.0, contact.held(force * angle, 1e-10)])
             assert bool(contact.spring(state) < contact.limit(state)) is sticks
 
 

@@ -26,7 +26,9 @@ from wearfem.verification.impact_theory import (
     Array,
     Body,
     ContactPair,
+    Sphere,
     contact_pair,
+    hertz_impact,
     restitution_at_zero_overlap,
     restitution_without_tension,
 )
@@ -147,13 +149,14 @@ def _normal_loading(steps: int) -> tuple[Array, float]:
 class SpringImpact:
     """An oblique impact by the spring law.
 
-    Slip velocity after, kappa v_s'/(mu v) [-] (psi_2 if e = 1), restitution v'/v [-], and whether the contact
-    slid at every moment.
+    Slip velocity after, kappa v_s'/(mu v) [-] (psi_2 if e = 1), restitution v'/v [-], whether the contact
+    slid at every moment, and the mean lever of the friction force over R [-].
     """
 
     slip: float
     restitution: float
     sliding: bool
+    lever: float = 1.0
 
 
 def spring_impact(
@@ -163,6 +166,8 @@ def spring_impact(
     damping: float = 0.0,
     tension: bool = True,
     rescale: bool = True,
+    depth: float = 0.0,
+    spin: float = 0.0,
 ) -> SpringImpact:
     """Oblique impact by Hertz, one tangential spring and a Coulomb limit, integrated from event to event.
 
@@ -183,6 +188,11 @@ def spring_impact(
         Contact ends at zero overlap (True) or where the normal force would pull (False).
     rescale : bool
         Constant force on increasing overlap.
+    depth : float
+        How far body 1 is flattened at the largest elastic overlap D, over R [-]: friction acts at the lever
+        R (1 - depth x), where the surfaces touch. 0 is the limit of small overlaps, as in the theory.
+    spin : float
+        The part of psi_1 that is spin, kappa R w/(mu v) [-]; it matters with depth only.
 
     Notes
     -----
@@ -192,20 +202,27 @@ def spring_impact(
     (theory 4 chi - 1), or with damping for psi_1 > 2 chi (1 + e).
     **Valid for** homogeneous bodies, in-plane motion; with tension beta < 1. DOP853, rtol 1e-11.
     """
-    return _SpringContact(chi, stiffness_ratio, damping, tension, rescale).run(incidence)
+    return _SpringContact(chi, stiffness_ratio, damping, tension, rescale, depth).run(incidence, spin)
 
 
 class _SpringContact:
     """The spring law as two motions, the spring holds or slips, and the events between them.
 
-    State: x, x', slip velocity, spring. The spring is held as its force while the overlap grows (with
-    rescaling), else as its displacement.
+    State: x, x', velocity of translation and of spin along the surface, spring. The spring is held as its force
+    while the overlap grows (with rescaling), else as its displacement.
     """
 
     def __init__(
-        self, chi: float, stiffness_ratio: float, damping: float, tension: bool, rescale: bool
+        self,
+        chi: float,
+        stiffness_ratio: float,
+        damping: float,
+        tension: bool,
+        rescale: bool,
+        depth: float = 0.0,
     ) -> None:
-        self.rate_of_slip = 2.0 * chi
+        self.depth = depth
+        self.rate_of_translation, self.rate_of_spin = stiffness_ratio, 2.0 * chi - stiffness_ratio
         self.normal_dashpot = 2.5 * damping
         self.tangential_dashpot = 2.5 * damping / math.sqrt(stiffness_ratio)
         self.pushed = restitution_without_tension(damping)
@@ -222,26 +239,33 @@ class _SpringContact:
         """mu F over mu."""
         return max(self.normal_force(state), 0.0)
 
+    def lever(self, state: Array) -> float:
+        """Distance of the touching surfaces from the centre, over R."""
+        return float(1.0 - self.depth * max(state[0], 0.0))
+
+    def slip(self, state: Array) -> float:
+        return float(state[2] + self.lever(state) * state[3])
+
     def spring(self, state: Array) -> float:
-        return float(state[3] if self.keeps_force else STIFFNESS * math.sqrt(max(state[0], 0.0)) * state[3])
+        return float(state[4] if self.keeps_force else STIFFNESS * math.sqrt(max(state[0], 0.0)) * state[4])
 
     def held(self, force: float, overlap: float) -> float:
         return force if self.keeps_force else force / (STIFFNESS * math.sqrt(overlap))
 
-    def friction(self, spring: float, state: Array) -> float:
-        """Spring and dashpot together, cut off at the limit."""
+    def rates(self, state: Array, spring: float, held_rate: float) -> list[float]:
+        """Motion under spring and dashpot together, cut off at the limit."""
         limit = self.limit(state)
-        total = spring + self.tangential_dashpot * max(state[0], 0.0) ** 0.25 * state[2]
-        return float(min(max(total, -limit), limit))
+        pull = spring + self.tangential_dashpot * max(state[0], 0.0) ** 0.25 * self.slip(state)
+        pull = min(max(pull, -limit), limit)
+        turning = -self.rate_of_spin * self.lever(state) * pull
+        return [state[1], -self.normal_force(state), -self.rate_of_translation * pull, turning, held_rate]
 
     def stick(self, _: float, state: Array) -> list[float]:
         stiffness = STIFFNESS * math.sqrt(max(state[0], 0.0)) if self.keeps_force else 1.0
-        pull = self.friction(self.spring(state), state)
-        return [state[1], -self.normal_force(state), -self.rate_of_slip * pull, stiffness * state[2]]
+        return self.rates(state, self.spring(state), stiffness * self.slip(state))
 
     def slide(self, _: float, state: Array) -> list[float]:
-        pull = self.friction(self.sign * self.limit(state), state)
-        return [state[1], -self.normal_force(state), -self.rate_of_slip * pull, 0.0]
+        return self.rates(state, self.sign * self.limit(state), 0.0)
 
     def over_limit(self, _: float, state: Array) -> float:
         return abs(self.spring(state)) - self.limit(state)
@@ -254,7 +278,7 @@ class _SpringContact:
             change = 0.25 * rate**2 / overlap - self.normal_force(state)
             limit_rate += self.normal_dashpot * overlap**-0.25 * change
             lost += 0.5 * self.normal_dashpot * overlap**-1.25 * rate**2
-        own = STIFFNESS * self.sign * state[2]
+        own = STIFFNESS * self.sign * self.slip(state)
         return float(own - limit_rate if self.keeps_force else own + lost - limit_rate)
 
     def turned(self, _: float, state: Array) -> float:
@@ -263,10 +287,10 @@ class _SpringContact:
     def released(self, _: float, state: Array) -> float:
         return float(1.25 * max(state[0], 0.0) ** 1.25 + self.normal_dashpot * state[1])
 
-    def run(self, incidence: float) -> SpringImpact:
+    def run(self, incidence: float, spin: float = 0.0) -> SpringImpact:
         time = 1e-10
         force = STIFFNESS * incidence * time**1.5 * (2.0 / 3.0 if self.rescale else 1.0)
-        state = np.array([time, 1.0, incidence, self.held(force, time)])
+        state = np.array([time, 1.0, incidence - spin, spin, self.held(force, time)])
         sticking = abs(self.spring(state)) < self.limit(state)
         growing = True
         for _ in range(10_000):
@@ -278,16 +302,19 @@ class _SpringContact:
             )
             time, state = float(leg.t[-1]), leg.y[:, -1].copy()
             if leg.t_events[0].size:
-                slid = incidence - self.rate_of_slip * (1.0 + self.pushed)
-                return SpringImpact(float(state[2]), self.restitution, bool(abs(state[2] - slid) < 1e-7))
+                change, turned = state[2] - (incidence - spin), state[3] - spin
+                most = self.rate_of_translation * (1.0 + self.pushed)
+                lever = turned / change * self.rate_of_translation / self.rate_of_spin if change else 1.0
+                sliding = bool(abs(abs(change) - most) < 1e-7)
+                return SpringImpact(float(state[2] + state[3]), self.restitution, sliding, float(lever))
             if growing and leg.t_events[2].size:
                 kept = self.spring(state)
                 growing, self.keeps_force = False, False
-                state[3] = self.held(kept, state[0])
+                state[4] = self.held(kept, state[0])
                 continue
             if sticking:
                 self.sign = math.copysign(1.0, self.spring(state))
-            state[3] = self.held(self.sign * self.limit(state), state[0])
+            state[4] = self.held(self.sign * self.limit(state), state[0])
             sticking = not sticking
         raise RuntimeError("the spring contact changed between stick and slip more than 10 000 times")
 
@@ -306,20 +333,23 @@ def _event(function: Callable[[float, Array], float], direction: int) -> Callabl
 
 
 def _rebound(
-    first: Body, second: Body, impact: Impact, friction: float, slip: float, restitution: float, sliding: bool
+    first: Body,
+    second: Body,
+    impact: Impact,
+    friction: float,
+    slip: float,
+    restitution: float,
+    sliding: bool,
+    lever: float = 1.0,
 ) -> Rebound:
-    """Rebound from the normalised slip velocity after the impact."""
+    """Rebound from the normalised slip velocity after the impact and the mean lever of the friction force."""
     pair = contact_pair(first, second)
     before = slip_velocity(first, second, impact)
     after = math.copysign(1.0, before) * slip * friction * impact.approach_speed / pair.stiffness_ratio
-    return apply_impulse(
-        first,
-        second,
-        impact,
-        restitution * impact.approach_speed,
-        pair.tangential_mass * (after - before),
-        sliding,
-    )
+    shift = 1.0 / pair.effective_mass
+    mobility = shift + lever * (1.0 / pair.tangential_mass - shift)
+    separation = restitution * impact.approach_speed
+    return apply_impulse(first, second, impact, separation, (after - before) / mobility, sliding, lever)
 
 
 def partial_slip_rebound(
@@ -340,12 +370,28 @@ def spring_rebound(
     damping: float = 0.0,
     tension: bool = True,
     rescale: bool = True,
+    flattened: bool = False,
 ) -> Rebound:
-    """Rebound by the spring law (see `spring_impact`), in SI."""
+    """Rebound by the spring law (see `spring_impact`), in SI.
+
+    `flattened`: friction acts where the surfaces touch, R - d from the centre of a sphere on a plane and R1 - d R2/(R1 + R2) in
+    general, as in an engine; otherwise at R, as in the theory of small overlaps. Both levers are shortened by the
+    factor of body 1: right on a plane, for equal spheres, and where body 2 is so heavy that its spin stays.
+    """
     pair = contact_pair(first, second)
-    angle = incidence(pair, slip_velocity(first, second, impact), impact.approach_speed, friction)
-    after = spring_impact(pair.chi, angle, pair.stiffness_ratio, damping, tension, rescale)
-    return _rebound(first, second, impact, friction, after.slip, after.restitution, after.sliding)
+    slip = slip_velocity(first, second, impact)
+    angle = incidence(pair, slip, impact.approach_speed, friction)
+    depth, spin = 0.0, 0.0
+    if flattened:
+        bodies = [body for body in (first, second) if isinstance(body, Sphere)]
+        flattening = pair.effective_radius / first.radius**2
+        depth = hertz_impact(pair, impact.approach_speed).maximum_overlap * flattening
+        rolling = sum(b.radius * w for b, w in zip(bodies, impact.angular_velocity, strict=False))
+        spin = angle * rolling / slip if slip else 0.0
+    after = spring_impact(pair.chi, angle, pair.stiffness_ratio, damping, tension, rescale, depth, spin)
+    return _rebound(
+        first, second, impact, friction, after.slip, after.restitution, after.sliding, after.lever
+    )
 
 
 def energy_loss(incidence: Array | float, reflection: Array | float) -> Array:
