@@ -1,6 +1,7 @@
 """Move a flow through time, and sample what it does to the facets."""
 
 from collections.abc import Callable, Sequence
+from copy import deepcopy
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -336,7 +337,7 @@ def sample(
             done += steps
             stepper.take_out()
             if done in keep:
-                snapshots.append(stepper.result())
+                snapshots.append(deepcopy(stepper.result()))
             if tell is not None:
                 tell(done * model.time_step, f"{stepper.particles.count} particles")
         blocks.append(stepper.tally)
@@ -383,6 +384,8 @@ def check_start(flow: Flow, model: Model) -> None:
     for what, array in (
         ("position", p.position),
         ("velocity", p.velocity),
+        ("angular velocity", p.angular_velocity),
+        ("applied force", p.applied_force),
         ("radius", p.radius),
         ("mass", p.mass),
     ):
