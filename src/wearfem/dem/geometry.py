@@ -1,7 +1,9 @@
 """Spheres against triangles and planes: which points touch, once each, however a surface is cut.
 
-A sphere touches a surface at its closest point. Where several triangles offer one, two rules decide:
+A sphere touches a surface at its closest point. Where several triangles offer one, three rules decide:
 
+* A candidate whose point does not rise above the tangent plane of a deeper one is no contact of its own: it is the same flat
+  or convex neighbourhood, cut into triangles.
 * Two candidate contacts with overlaps d1 >= d2, normals n1, n2 and points p1, p2 share one Hertz patch as far as their
   contact circles (radius sqrt(r d1)) overlap: c = max(0, n1 . n2) max(0, 1 - |p1 - p2|^2 / (4 r d1)).
 * Each candidate takes the share of its overlap that the others do not already push out: the shares l >= 0 solve
@@ -17,14 +19,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wearfem.dem.motion import Motion
+from wearfem.dem.motion import Motion, alike
 from wearfem.jit import inlined, kernel
 from wearfem.material import Material
 from wearfem.surface import Plane, Surface
 from wearfem.vector import dot, norm
 
-SWEEPS = 64  # of projected Gauss-Seidel, for three contacts and more; two are solved in closed form
-TINY = 1e-300  # a share that is pushed to nothing, but stays marked as acting
+SWEEPS = 4096  # of projected Gauss-Seidel at most, for three contacts and more; two are solved in closed form
+LEVEL = 1e-9  # part of a radius by which a point must rise above a plane to be above it, not on it
 
 
 class Geometry(NamedTuple):
@@ -37,6 +39,7 @@ class Geometry(NamedTuple):
     material: np.ndarray  # (t + planes,) int32
     body: np.ndarray  # (t + planes,) int32
     moves: np.ndarray  # (b,) bool
+    frame: np.ndarray  # (b,) int32, the first body that moves alike: contacts carry on from one to the other
     extent: np.ndarray  # (b,) [m] farthest point from the pivot, to bound its speed
     cell_origin: np.ndarray  # (b, 3) [m] of a grid of cells over the triangles of each body
     cell_size: np.ndarray  # (b,) [m]
@@ -97,6 +100,10 @@ def geometry(
         material=np.concatenate(materials).astype(np.int32),
         body=np.concatenate(owners).astype(np.int32),
         moves=np.array([motion.moves for _, motion in walls], bool),
+        frame=np.array(
+            [next(k for k, (_, one) in enumerate(walls) if alike(one, motion)) for _, motion in walls],
+            np.int32,
+        ),
         extent=extent,
         cell_origin=origin,
         cell_size=size,
@@ -223,45 +230,66 @@ def common(contact, a, b, radius):
     return max(along, 0.0) * max(1.0 - apart, 0.0)
 
 
+@inlined
+def rises(contact, a, b, radius):
+    """Whether the point of contact a lies above the tangent plane of contact b, as only a concave corner makes it."""
+    height = 0.0
+    for k in range(3):
+        height += (contact[a, 1 + k] - contact[b, 1 + k]) * contact[b, 4 + k]
+    return height > LEVEL * radius
+
+
 @kernel
 def share_overlap(contact, count, radius, share):
     """Fill `share` (count,) with the part of its overlap that each contact really has, 0 to 1; returns how many have any."""
-    acting = 0
+    candidates = 0
     for a in range(count):
         share[a] = 1.0
         for b in range(count):
             if b == a or contact[b, 0] < contact[a, 0] or (contact[b, 0] == contact[a, 0] and b > a):
                 continue
-            c = common(contact, a, b, radius)
-            if contact[a, 0] <= c * contact[b, 0] + 1e-9 * contact[b, 0] + 1e-15 * radius:
-                share[a] = 0.0
+            if not rises(contact, a, b, radius):
+                share[a] = -1.0
                 break
         if share[a] > 0.0:
-            acting += 1
-    if acting < 2:
-        return acting
-    if acting == 2:
+            candidates += 1
+    if candidates == 2:
         a = 0
-        while share[a] == 0.0:
+        while share[a] < 0.0:
             a += 1
         b = a + 1
-        while share[b] == 0.0:
+        while share[b] < 0.0:
             b += 1
         c = common(contact, a, b, radius)
-        share[a] = (contact[a, 0] - c * contact[b, 0]) / ((1.0 - c * c) * contact[a, 0])
-        share[b] = (contact[b, 0] - c * contact[a, 0]) / ((1.0 - c * c) * contact[b, 0])
-        return acting
+        first, second = contact[a, 0] - c * contact[b, 0], contact[b, 0] - c * contact[a, 0]
+        if first > 0.0 and second > 0.0:
+            share[a] = first / ((1.0 - c * c) * contact[a, 0])
+            share[b] = second / ((1.0 - c * c) * contact[b, 0])
+        else:
+            share[a], share[b] = (1.0 if first > 0.0 else 0.0), (1.0 if second > 0.0 else 0.0)
+    elif candidates > 2:
+        share_among_many(contact, count, radius, share)
+    acting = 0
     for a in range(count):
+        share[a] = max(share[a], 0.0)
         if share[a] > 0.0:
-            share[a] = contact[a, 0]
+            acting += 1
+    return acting
+
+
+@kernel
+def share_among_many(contact, count, radius, share):
+    """The shares of three candidates and more, those that are not negative, by projected Gauss-Seidel until they stand."""
     for _ in range(SWEEPS):
+        largest_change = 0.0
         for a in range(count):
-            if share[a] > 0.0:
+            if share[a] >= 0.0:
                 rest = contact[a, 0]
                 for b in range(count):
                     if b != a and share[b] > 0.0:
-                        rest -= common(contact, a, b, radius) * share[b]
-                share[a] = max(rest, TINY)
-    for a in range(count):
-        share[a] /= contact[a, 0]
-    return acting
+                        rest -= common(contact, a, b, radius) * share[b] * contact[b, 0]
+                new = max(rest, 0.0) / contact[a, 0]
+                largest_change = max(largest_change, abs(new - share[a]))
+                share[a] = new
+        if largest_change < 1e-14:
+            break

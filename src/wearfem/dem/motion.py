@@ -38,6 +38,11 @@ class Motion(NamedTuple):
 STILL = Motion()
 
 
+def alike(one: Motion, other: Motion) -> bool:
+    """Whether two motions are the same, so that bodies with them stay where they are to one another."""
+    return np.array_equal(np.hstack(one[:-1]), np.hstack(other[:-1])) and np.array_equal(one.path, other.path)
+
+
 def rotation(
     rate: float, *, axis=(0.0, 0.0, 1.0), centre=(0.0, 0.0, 0.0), start: float = 0.0, stop: float = math.inf
 ) -> Motion:

@@ -404,6 +404,8 @@ def check_start(flow: Flow, model: Model) -> None:
     for what, array in (
         ("position", p.position),
         ("velocity", p.velocity),
+        ("angular velocity", p.angular_velocity),
+        ("applied force", p.applied_force),
         ("radius", p.radius),
         ("mass", p.mass),
     ):

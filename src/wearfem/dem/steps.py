@@ -254,7 +254,7 @@ def step_on(
                 kinds, work, constants, chunks,
             )  # fmt: skip
         clock[1] = 1
-        if (tally.filled > tally.start[1:] - tally.start[:-1] - MOST_ENTRIES).any():
+        if (tally.filled < 0).any():
             status = TOO_MANY_ENTRIES
             break
         add_entries(tally)
