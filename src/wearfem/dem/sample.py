@@ -336,7 +336,7 @@ def sample(
             done += steps
             stepper.take_out()
             if done in keep:
-                snapshots.append(stepper.result())
+                snapshots.append(_kept(stepper.result()))
             if tell is not None:
                 tell(done * model.time_step, f"{stepper.particles.count} particles")
         blocks.append(stepper.tally)
@@ -345,6 +345,26 @@ def sample(
         if until is not None and until(stepper.result()):
             break
     return stepper.result(), _loads(model, blocks, durations), tuple(snapshots)
+
+
+def _kept(flow: Flow) -> Flow:
+    """The same flow in arrays of its own: those of a stepper change in place as it goes on."""
+
+    def own(value: Any) -> Any:
+        return type(value)(*(array.copy() for array in value)) if isinstance(value, tuple) else value.copy()
+
+    names = (
+        "particles",
+        "ledger",
+        "pairs",
+        "walls",
+        "packed",
+        "pair_reference",
+        "wall_reference",
+        "travel",
+        "drift",
+    )
+    return replace(flow, **{name: own(getattr(flow, name)) for name in names})
 
 
 def _loads(model: Model, blocks: Sequence[Tally], durations: Sequence[float]) -> FacetLoads:
