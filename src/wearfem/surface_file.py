@@ -52,7 +52,9 @@ def _triangles(path: Path) -> tuple[np.ndarray, np.ndarray]:
     try:
         mesh = meshio.read(path)
     except (Exception, SystemExit) as error:  # what meshio raises depends on the format; for some it exits
-        raise UserError(f"{path} cannot be read as a mesh ({error}); use STL, VTU, PLY or gmsh's MSH.") from error
+        raise UserError(
+            f"{path} cannot be read as a mesh ({error}); use STL, VTU, PLY or gmsh's MSH."
+        ) from error
     triangle = np.concatenate(
         [np.zeros((0, 3), int), *(block.data for block in mesh.cells if block.type == "triangle")]
     )

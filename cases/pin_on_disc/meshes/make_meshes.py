@@ -45,4 +45,6 @@ if __name__ == "__main__":
         meshio.Mesh(point, [("triangle", triangle.astype(np.int32))]).write(path)
         edge = np.linalg.norm(np.diff(point[triangle[:, [0, 1, 2, 0]]], axis=1), axis=2)
         top = (point[triangle, 2] == 0.0).all(axis=1)
-        print(f"{path.name}: {len(triangle)} triangles, {top.sum()} on top, mean edge there {edge[top].mean():.3g} m")
+        print(
+            f"{path.name}: {len(triangle)} triangles, {top.sum()} on top, mean edge there {edge[top].mean():.3g} m"
+        )
