@@ -10,14 +10,15 @@ PACKAGE = Path(__file__).parents[2] / "src" / "wearfem"
 # From the top to the ground. A part imports from its own line and from the lines below it.
 LAYERS = (
     {"cli"},
-    {"report", "study", "verify", "bench", "check"},
+    {"verify", "bench", "check"},
     {"proofs"},
-    {"verification"},
+    {"report", "study", "verification"},
     {"run"},
     {"record", "cycle", "progress", "pictures"},
     {"case"},
     {"settings"},
     {"dem", "liner", "wear", "survey"},
+    {"surface_file"},
     {"surface", "loads", "material"},
     {"vector", "units", "jit", "errors", "proof"},
 )
