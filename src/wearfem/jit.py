@@ -110,3 +110,8 @@ def thread_count() -> int:
 def set_thread_count(count: int) -> None:
     """Use `count` threads from now on, at most as many as the machine has cores. Results do not depend on it."""
     numba.set_num_threads(min(count, numba.config.NUMBA_NUM_THREADS))
+
+
+def most_threads() -> int:
+    """As many threads as can be used at all."""
+    return int(numba.config.NUMBA_NUM_THREADS)
