@@ -24,6 +24,7 @@ from wearfem.surface import Plane, Surface
 
 
 SWEEPS = 64  # of projected Gauss-Seidel, for three contacts and more; two are solved in closed form
+RIM = 1e-6  # [-] of the radius, by which a face reaches beyond its edges
 TINY = 1e-300  # a share that is pushed to nothing, but stays marked as acting
 
 
@@ -196,7 +197,8 @@ def nearest_on_triangle(geometry, item, x, y, z):
 def touching_point(geometry, item, x, y, z, radius):
     """How a sphere at (x, y, z) in the body's frame touches a triangle or plane: overlap, point, normal towards the centre.
 
-    The overlap is not positive where they do not touch.
+    The overlap is not positive where they do not touch. A face reaches a trifle (RIM) beyond its edges: so close to a joint
+    the edge of the next triangle lies as deep as the face to the last bit, but its normal would be tilted by up to RIM.
     """
     nx, ny, nz = geometry.normal[item, 0], geometry.normal[item, 1], geometry.normal[item, 2]
     height = height_above(geometry, item, x, y, z)
@@ -205,7 +207,8 @@ def touching_point(geometry, item, x, y, z, radius):
     overlap, px, py, pz = radius - height, x - height * nx, y - height * ny, z - height * nz
     if overlap > 0.0 and item < len(geometry.corner):
         qx, qy, qz, inside = nearest_on_triangle(geometry, item, x, y, z)
-        if not inside:
+        dx, dy, dz = qx - px, qy - py, qz - pz
+        if not inside and dot(dx, dy, dz, dx, dy, dz) > RIM * RIM * radius * radius:
             px, py, pz = qx, qy, qz
             distance = norm(x - px, y - py, z - pz)
             overlap = radius - distance
