@@ -27,6 +27,7 @@ from wearfem.vector import dot, norm
 
 SWEEPS = 4096  # of projected Gauss-Seidel at most, for three contacts and more; two are solved in closed form
 LEVEL = 1e-9  # part of a radius by which a point must rise above a plane to be above it, not on it
+RIM = 1e-6  # part of a radius by which a face reaches beyond its edges
 
 
 class Geometry(NamedTuple):
@@ -201,7 +202,8 @@ def nearest_on_triangle(geometry, item, x, y, z):
 def touching_point(geometry, item, x, y, z, radius):
     """How a sphere at (x, y, z) in the body's frame touches a triangle or plane: overlap, point, normal towards the centre.
 
-    The overlap is not positive where they do not touch.
+    The overlap is not positive where they do not touch. A face reaches a trifle (RIM) beyond its edges: so close to a joint
+    the edge of the next triangle lies as deep as the face to the last bit, but its normal would be tilted by up to RIM.
     """
     nx, ny, nz = geometry.normal[item, 0], geometry.normal[item, 1], geometry.normal[item, 2]
     height = height_above(geometry, item, x, y, z)
@@ -210,7 +212,8 @@ def touching_point(geometry, item, x, y, z, radius):
     overlap, px, py, pz = radius - height, x - height * nx, y - height * ny, z - height * nz
     if overlap > 0.0 and item < len(geometry.corner):
         qx, qy, qz, inside = nearest_on_triangle(geometry, item, x, y, z)
-        if not inside:
+        dx, dy, dz = qx - px, qy - py, qz - pz
+        if not inside and dot(dx, dy, dz, dx, dy, dz) > RIM * RIM * radius * radius:
             px, py, pz = qx, qy, qz
             distance = norm(x - px, y - py, z - pz)
             overlap = radius - distance
