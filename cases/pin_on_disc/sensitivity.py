@@ -14,6 +14,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import pi
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -61,6 +62,11 @@ UNITS = {
     "restitution": (1.0, "-"),
     "force": (1.0, "N"),
     "time_step": (1e-6, "us"),
+}
+PAPER = {  # Table XI: polynomials of the value in these units, highest power first, in 1e-12 m3
+    "radius": (0.0002, -0.0002, 0.0007, 4.4953),
+    "density": (3e-7, 4.4959),
+    "force": (0.8992, 0.0017),
 }
 NO_INFLUENCE = ("poisson_ratio", "shear_modulus", "rotation_speed", "mesh_size", "restitution", "time_step")
 
@@ -202,13 +208,18 @@ def draw(rows: list[Row], extended: list[Row], folder: Path) -> None:
         soft.set_xscale("log")
 
 
-def _draw_volume(axes, rows: list[Row], parameter: str) -> None:
+def _draw_volume(axes: Any, rows: list[Row], parameter: str) -> None:
+    """Ours as dots, theory as a line, the paper's fit as a dashed line where it has one."""
     unit, name = UNITS[parameter]
-    volumes = {what: 1e12 * column(rows, parameter, what) for what in ("theory", "volume")}
-    label = f"{parameter.replace('_', ' ')} [{name}]"
     x = column(rows, parameter, "value") / unit
-    report.draw_lines(axes, x, {"theory": volumes["theory"]}, label, "wear [1e-12 m3]", "-")
-    report.draw_lines(axes, x, {"wearfem": volumes["volume"]}, label, "wear [1e-12 m3]", "o")
+    label = f"{parameter.replace('_', ' ')} [{name}]"
+    ours, theory = (1e12 * column(rows, parameter, what) for what in ("volume", "theory"))
+    lines = [("theory", theory, "-"), ("this study", ours, "o")]
+    if parameter in PAPER:
+        lines.append(("paper's fit", np.polyval(PAPER[parameter], x), "--"))
+    for what, y, style in lines:
+        report.draw_lines(axes, x, {what: y}, label, "wear [1e-12 m3]", style)
+    axes.legend(frameon=False, fontsize="small")
     axes.ticklabel_format(useOffset=False)
 
 
