@@ -227,7 +227,8 @@ def write_loads(group: h5py.Group, loads: Any) -> None:
         if is_dataclass(value) or hasattr(value, "_fields"):
             write_loads(group.create_group(name), value)
         elif isinstance(value, np.ndarray):
-            dataset = group.create_dataset(name, data=value)
+            squeeze = "gzip" if value.ndim else None  # most facets are never touched: zeros
+            dataset = group.create_dataset(name, data=value, compression=squeeze)
             for label in ("unit", "shape"):
                 if label in metadata:
                     dataset.attrs[label] = metadata[label]

@@ -12,14 +12,16 @@ from wearfem.surface import Surface
 
 
 @contextmanager
-def picture(path: Path, columns: int = 1, *, size: tuple[float, float] = (6.0, 4.5)) -> Iterator[Any]:
-    """Axes side by side to draw on, an array of `columns`; they become the PNG `path`. `size` is that of each [inch]."""
+def picture(
+    path: Path, columns: int = 1, rows: int = 1, *, size: tuple[float, float] = (6.0, 4.5)
+) -> Iterator[Any]:
+    """Axes to draw on, row by row in one array; they become the PNG `path`. `size` is that of each [inch]."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(columns * size[0], size[1]), layout="constrained")
+    figure = Figure(figsize=(columns * size[0], rows * size[1]), layout="constrained")
     FigureCanvasAgg(figure)
-    yield figure.subplots(1, columns, squeeze=False)[0]
+    yield figure.subplots(rows, columns, squeeze=False).ravel()
     with whole_file(path) as temporary:
         figure.savefig(temporary, format="png", dpi=150)
 
@@ -48,10 +50,12 @@ def draw_surface(axes: Any, surface: Surface, value: np.ndarray, label: str, *, 
     )
 
 
-def draw_lines(axes: Any, x: np.ndarray, lines: dict[str, np.ndarray], x_label: str, y_label: str) -> None:
-    """Lines over x, each with a name; one name needs no legend."""
+def draw_lines(
+    axes: Any, x: np.ndarray, lines: dict[str, np.ndarray], x_label: str, y_label: str, style: str = "-"
+) -> None:
+    """Lines over x, each with a name; one name needs no legend. `style` is matplotlib's, such as `o-`."""
     for name, y in lines.items():
-        axes.plot(x, y, label=name, linewidth=1.0)
+        axes.plot(x, y, style, label=name, linewidth=1.0)
     axes.set(xlabel=x_label, ylabel=y_label)
     axes.grid(alpha=0.3)
     if len(lines) > 1:

@@ -96,7 +96,7 @@ def write_worn_surface(path: Path, law: WearLaw, outcome: StageOutcome) -> None:
     time = loads.duration.sum()
     by_facet = {
         "depth [m]": worn_depth(law, loads),
-        "wear volume [m3]": law.volume(loads),
+        "wear volume [m3]": worn_depth(law, loads) * loads.area,
         "mean pressure [Pa]": loads.normal_impulse.sum(axis=0)
         / np.where(loads.area > 0, loads.area, np.inf)
         / time,
