@@ -21,6 +21,7 @@ from wearfem.settings import Value, check_settings, did_you_mean
 if TYPE_CHECKING:
     from wearfem.dem.flow import Flow, Model
     from wearfem.loads import FacetLoads
+    from wearfem.wear.laws import WearLaw
 
 Result = TypeVar("Result")
 
@@ -150,7 +151,7 @@ class Case:
     stages
         What happens to the flow, one stage after the other.
     wear_law
-        Turns facet loads into a rate of depth; None where nothing wears.
+        Turns facet loads into a rate of depth; None where nothing wears. `surface.vtkhdf` shows the depth of the last stage.
     measure
         Turns what the run left into the figures that the case reports.
     notes
@@ -168,7 +169,7 @@ class Case:
     name: str
     flow: "Flow"
     stages: tuple[Stage, ...]
-    wear_law: Any
+    wear_law: "WearLaw | None"
     measure: Callable[[Outcome], tuple[Figure, ...]]
     notes: tuple[str, ...] = ()
     draw: Callable[[Outcome, Path], None] | None = None

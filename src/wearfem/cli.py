@@ -71,11 +71,12 @@ def verify(names: tuple[str, ...], json_file: Path | None) -> int:
 @wearfem.command()
 @click.argument("names", nargs=-1)
 @json_option
-def bench(names: tuple[str, ...], json_file: Path | None) -> None:
+@click.option("--quick", is_flag=True, help="One short round; the two small benchmarks if none is named.")
+def bench(names: tuple[str, ...], json_file: Path | None, quick: bool) -> None:
     """Measure the speed on this machine; all benchmarks, or those named."""
     from wearfem.bench import bench
 
-    bench(names, json_file)
+    bench(names, json_file, quick)
 
 
 def main() -> None:

@@ -39,7 +39,9 @@ def _cache_directory() -> str:
 
 
 os.environ.setdefault("NUMBA_CACHE_DIR", _cache_directory())
-os.environ.setdefault("NUMBA_THREADING_LAYER_PRIORITY", "omp workqueue tbb")  # omp needs libgomp1; results are the same
+os.environ.setdefault(
+    "NUMBA_THREADING_LAYER_PRIORITY", "omp workqueue tbb"
+)  # omp needs libgomp1; results are the same
 
 import numba  # noqa: E402  (the cache directory must be named before numba is imported)
 from numba import prange as prange  # noqa: E402
@@ -108,3 +110,8 @@ def thread_count() -> int:
 def set_thread_count(count: int) -> None:
     """Use `count` threads from now on, at most as many as the machine has cores. Results do not depend on it."""
     numba.set_num_threads(min(count, numba.config.NUMBA_NUM_THREADS))
+
+
+def most_threads() -> int:
+    """As many threads as can be used at all."""
+    return int(numba.config.NUMBA_NUM_THREADS)

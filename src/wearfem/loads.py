@@ -1,11 +1,12 @@
 """What the particles did to each facet, in blocks of time: the second noun that particles, liner and wear share."""
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
 
-def _array(unit: str, shape: str, text: str):
+def _array(unit: str, shape: str, text: str) -> Any:
     """A field whose unit, shape and meaning travel with it into files."""
     return field(metadata={"unit": unit, "shape": shape, "text": text})
 
@@ -42,8 +43,10 @@ class FacetLoads:
 
     @property
     def block_count(self) -> int:
+        """Number of time blocks."""
         return len(self.duration)
 
     @property
     def facet_count(self) -> int:
+        """Number of facets."""
         return len(self.area)

@@ -89,14 +89,20 @@ def manifest(case: Case, started: datetime, finished: datetime | None = None) ->
         "case": case.name,
         "settings": case.settings,
         "seed": case.settings.get("seed"),
-        "command": sys.argv,
         "started": started.isoformat(timespec="seconds"),
         "finished": finished and finished.isoformat(timespec="seconds"),
+        "sha256": {str(file): file_hash(file) for file in files},
+    } | this_machine()
+
+
+def this_machine() -> dict[str, Any]:
+    """What computes here: the command, versions of all that takes part, the platform."""
+    return {
+        "command": sys.argv,
         "versions": {"wearfem": __version__, "python": platform.python_version()} | _package_versions(),
         "git_commit": _git_commit(),
         "platform": platform.platform(),
         "cpu_count": os.cpu_count(),
-        "sha256": {str(file): file_hash(file) for file in files},
     }
 
 

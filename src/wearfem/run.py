@@ -3,6 +3,8 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+import numpy as np
+
 from wearfem.case import Case, Figure, Outcome, StageOutcome, load_case
 from wearfem.progress import clock, progress
 from wearfem.record import (
@@ -13,8 +15,10 @@ from wearfem.record import (
     require_writable,
     write_json,
     write_loads,
+    write_surface,
 )
 from wearfem.settings import Value
+from wearfem.wear.laws import WearLaw, worn_depth
 
 
 def run_case(
@@ -52,6 +56,8 @@ def run_case(
     with hdf5_file(folder.path / "loads.h5") as file:
         for stage in outcome.stages:
             write_loads(file.create_group(stage.stage.name), stage.loads)
+    if case.wear_law is not None:
+        write_worn_surface(folder.path / "surface.vtkhdf", case.wear_law, outcome.stages[-1])
     if case.draw:
         case.draw(outcome, folder.path)
     folder.write_figures(figures)
@@ -79,6 +85,31 @@ def run_stages(case: Case, quiet: bool = False) -> Outcome:
             flow, loads, snapshots = sample(flow, stage.model, stage.window, stage.until, bar.update)
         outcomes.append(StageOutcome(stage, flow, loads, snapshots))
     return Outcome(tuple(outcomes))
+
+
+def write_worn_surface(path: Path, law: WearLaw, outcome: StageOutcome) -> None:
+    """Write all surfaces of a stage, each where it was at time zero, with what the stage did to them by facet."""
+    surfaces, loads = outcome.stage.model.surfaces, outcome.loads
+    points = np.cumsum([0, *(len(surface.point) for surface in surfaces)])
+    facets = np.cumsum([0, *(surface.facet_count for surface in surfaces)])
+    facet = np.concatenate([s.facet + first for s, first in zip(surfaces, facets, strict=False)])
+    time = loads.duration.sum()
+    by_facet = {
+        "depth [m]": worn_depth(law, loads),
+        "wear volume [m3]": law.volume(loads),
+        "mean pressure [Pa]": loads.normal_impulse.sum(axis=0)
+        / np.where(loads.area > 0, loads.area, np.inf)
+        / time,
+        "load distance [N m]": loads.load_distance.sum(axis=0),
+        "friction work [J]": loads.friction_work.sum(axis=0),
+        "impact energy [J]": loads.impact_energy.sum(axis=(0, 2, 3)),
+    }
+    write_surface(
+        path,
+        np.concatenate([surface.point for surface in surfaces]),
+        np.concatenate([s.triangle + first for s, first in zip(surfaces, points, strict=False)]),
+        {"facet": facet} | {name: value[facet] for name, value in by_facet.items()},
+    )
 
 
 def figure_table(figures: Sequence[Figure]) -> str:

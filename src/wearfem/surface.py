@@ -1,11 +1,20 @@
 """The triangles that particles touch: the first noun that particles, liner and wear share."""
 
+import hashlib
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
 from wearfem.errors import UserError
 from wearfem.material import Material
+
+
+def _mark(name: str, *arrays: np.ndarray) -> str:
+    digest = hashlib.sha256()
+    for array in arrays:
+        digest.update(array.tobytes())
+    return f"{name} {digest.hexdigest()[:16]}"
 
 
 @dataclass(frozen=True)
@@ -25,13 +34,15 @@ class Surface:
     point: np.ndarray  # (p, 3) [m]
     triangle: np.ndarray  # (t, 3) int
     material: Material
-    facet: np.ndarray = field(default=None)  # type: ignore[assignment]  # (t,) int, owning facet; by default its own
+    facet: np.ndarray = field(
+        default_factory=lambda: np.zeros(0, int)
+    )  # (t,) owning facet; by default its own
     name: str = "surface"
 
     def __post_init__(self) -> None:
         point = np.ascontiguousarray(self.point, float)
         triangle = np.ascontiguousarray(self.triangle, np.int64)
-        facet = np.arange(len(triangle)) if self.facet is None else np.ascontiguousarray(self.facet, np.int64)
+        facet = np.ascontiguousarray(self.facet, np.int64) if len(self.facet) else np.arange(len(triangle))
         for what, value in (("point", point), ("triangle", triangle), ("facet", facet)):
             object.__setattr__(self, what, value)
         self._check()
@@ -59,12 +70,18 @@ class Surface:
 
     @property
     def facet_count(self) -> int:
+        """Number of facets, by the highest in use."""
         return int(self.facet.max()) + 1
 
     @property
     def facet_area(self) -> np.ndarray:
         """(f,) [m2]"""
         return np.bincount(self.facet, self.area, self.facet_count)
+
+    @cached_property
+    def mark(self) -> str:
+        """Name and a hash of the shape: equal marks are equal surfaces."""
+        return _mark(self.name, self.point, self.triangle, self.facet)
 
     def _check(self) -> None:
         point, triangle, facet = self.point, self.triangle, self.facet
@@ -126,6 +143,11 @@ class Plane:
     material: Material
     name: str = "plane"
 
+    @property
+    def mark(self) -> str:
+        """Name and numbers of the plane: equal marks are equal planes."""
+        return _mark(self.name, np.asarray(self.point, float), np.asarray(self.normal, float))
+
     def __post_init__(self) -> None:
         if not np.isfinite(self.normal).all() or not np.any(self.normal):
             raise UserError(f"{self.name}: the normal {self.normal} was given; it must have a direction.")
@@ -137,8 +159,8 @@ def rectangle(
     cells: tuple[int, int],
     material: Material,
     *,
-    height=0.0,
-    name="plate",
+    height: float = 0.0,
+    name: str = "plate",
 ) -> Surface:
     """A horizontal rectangle of `cells` squares cut along one diagonal, normal up; x and y from `lower` to `upper` [m]."""
     nx, ny = cells

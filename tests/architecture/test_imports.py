@@ -10,15 +10,17 @@ PACKAGE = Path(__file__).parents[2] / "src" / "wearfem"
 # From the top to the ground. A part imports from its own line and from the lines below it.
 LAYERS = (
     {"cli"},
-    {"report", "study", "verify", "bench", "check"},
-    {"verification"},
+    {"verify", "bench", "check"},
+    {"proofs"},
+    {"report", "study", "verification"},
     {"run"},
     {"record", "cycle", "progress", "pictures"},
     {"case"},
     {"settings"},
     {"dem", "liner", "wear", "survey"},
+    {"surface_file"},
     {"surface", "loads", "material"},
-    {"vector", "units", "jit", "errors"},
+    {"vector", "units", "jit", "errors", "proof"},
 )
 SIBLINGS = {"dem", "liner", "wear", "survey"}  # never import one another ...
 SIBLING_ARROWS = {("survey", "wear")}  # ... except here

@@ -27,6 +27,7 @@ class Energy:
 
     @property
     def dissipated(self) -> float:
+        """All losses [J]"""
         return self.slip_loss + self.stiffness_loss + self.damping_loss + self.rolling_loss
 
     def gap_since(self, start: "Energy") -> float:

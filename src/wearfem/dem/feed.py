@@ -28,10 +28,12 @@ class Sizes:
 
     @property
     def largest(self) -> float:
+        """Largest radius that can be drawn [m]"""
         return float(max(e for e, s in zip(self.edge[1:], self.share, strict=True) if s > 0))
 
     @property
     def smallest(self) -> float:
+        """Smallest radius that can be drawn [m]"""
         return float(min(e for e, s in zip(self.edge, self.share, strict=True) if s > 0))
 
     def draw(self, count: int, random: np.random.Generator) -> np.ndarray:

@@ -81,12 +81,18 @@ class Model:
                 raise UserError(f"{wall.shape.name} is an endless plane and cannot turn; use a surface.")
 
     @property
+    def marks(self) -> tuple[str, ...]:
+        """What the walls are, to notice when they change between windows."""
+        return tuple(wall.shape.mark for wall in self.walls)
+
+    @property
     def surfaces(self) -> tuple[Surface, ...]:
         """The triangulated walls, in order; their facets are numbered one surface after the other."""
         return tuple(wall.shape for wall in self.walls if isinstance(wall.shape, Surface))
 
     @property
     def facet_count(self) -> int:
+        """Number of facets of all surfaces."""
         return sum(surface.facet_count for surface in self.surfaces)
 
     @cached_property
@@ -120,9 +126,14 @@ class Flow:
     ledger: np.ndarray = field(default_factory=lambda: np.zeros(LEDGER))  # [J] see steps.py
     pairs: PairList | None = None
     walls: WallList | None = None
+    marks: tuple[str, ...] = ()  # of the surfaces and planes that `walls` refers to
     packed: np.ndarray | None = None  # (n, PACKED)
-    pair_reference: np.ndarray | None = None  # (n, 3) [m] positions when pairs were listed
-    wall_reference: np.ndarray | None = None  # (n, 3) [m] positions when walls were listed
+    pair_reference: np.ndarray = field(
+        default_factory=lambda: np.zeros((0, 3))
+    )  # (n, 3) [m] positions when pairs were listed
+    wall_reference: np.ndarray = field(
+        default_factory=lambda: np.zeros((0, 3))
+    )  # (n, 3) [m] positions when walls were listed
     drift: np.ndarray = field(
         default_factory=lambda: np.zeros(3)
     )  # [m/s] common velocity since pairs were listed

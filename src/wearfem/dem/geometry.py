@@ -1,30 +1,32 @@
 """Spheres against triangles and planes: which points touch, once each, however a surface is cut.
 
-A sphere touches a surface at its closest point. Where several triangles offer one, two rules decide, both continuous:
+A sphere touches a surface at its closest point. Where several triangles offer one, three rules decide:
 
-* Two candidate contacts with overlaps d1 >= d2, normals n1, n2 and points p1, p2 share one Hertz patch as far as their contact circles
-  (radius sqrt(r d1)) overlap: c = max(0, n1 . n2) max(0, 1 - |p1 - p2|^2 / (4 r d1)).
-* Each candidate takes the share of its overlap that the others do not already push out: the shares l >= 0 solve l_i + sum_j c_ij l_j = d_i.
+* A candidate whose point does not rise above the tangent plane of a deeper one is no contact of its own: it is the same flat
+  or convex neighbourhood, cut into triangles.
+* Two candidate contacts with overlaps d1 >= d2, normals n1, n2 and points p1, p2 share one Hertz patch as far as their
+  contact circles (radius sqrt(r d1)) overlap: c = max(0, n1 . n2) max(0, 1 - |p1 - p2|^2 / (4 r d1)).
+* Each candidate takes the share of its overlap that the others do not already push out: the shares l >= 0 solve
+  l_i + sum_j c_ij l_j = d_i.
 
-On a plane, and over a convex edge, the deepest candidate takes all and the others nothing, to the last bit; in a concave corner with separate
-patches both act in full; in between, and from one to the other, the force is continuous. No adjacency is needed: joints between
-different surfaces, T-joints and duplicates are seamless too.
+On a plane, and over a convex edge, the deepest candidate takes all and the others nothing, to the last bit; in a concave
+corner with separate patches both act in full; in between, and from one to the other, the force is continuous. No adjacency
+is needed: joints between different surfaces, T-joints and duplicates are seamless too.
 """
 
-import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from wearfem.dem.motion import Motion
+from wearfem.dem.motion import Motion, alike
 from wearfem.jit import inlined, kernel
-from wearfem.vector import dot, norm
+from wearfem.material import Material
 from wearfem.surface import Plane, Surface
+from wearfem.vector import dot, norm
 
-
-SWEEPS = 64  # of projected Gauss-Seidel, for three contacts and more; two are solved in closed form
-TINY = 1e-300  # a share that is pushed to nothing, but stays marked as acting
+SWEEPS = 4096  # of projected Gauss-Seidel at most, for three contacts and more; two are solved in closed form
+LEVEL = 1e-9  # part of a radius by which a point must rise above a plane to be above it, not on it
 
 
 class Geometry(NamedTuple):
@@ -37,6 +39,7 @@ class Geometry(NamedTuple):
     material: np.ndarray  # (t + planes,) int32
     body: np.ndarray  # (t + planes,) int32
     moves: np.ndarray  # (b,) bool
+    frame: np.ndarray  # (b,) int32, the first body that moves alike: contacts carry on from one to the other
     extent: np.ndarray  # (b,) [m] farthest point from the pivot, to bound its speed
     cell_origin: np.ndarray  # (b, 3) [m] of a grid of cells over the triangles of each body
     cell_size: np.ndarray  # (b,) [m]
@@ -48,7 +51,7 @@ class Geometry(NamedTuple):
 
 def geometry(
     walls: Sequence[tuple[Surface | Plane, Motion]],
-    number: dict,
+    number: dict[Material, int],
     cell: float,
     period: np.ndarray,
     low: np.ndarray,
@@ -57,94 +60,96 @@ def geometry(
 
     Where the domain is periodic, copies of the triangles near its ends let a sphere across the border touch them.
     """
-    corners, normals, facets, materials, owners = [np.zeros((0, 9))], [np.zeros((0, 3))], [], [], []
-    facet_base = 0
-    grids = []
-    extents = []
-    planes = [(k, wall) for k, (wall, _) in enumerate(walls) if isinstance(wall, Plane)]
-    for k, (wall, motion) in enumerate(walls):
-        if isinstance(wall, Plane):
-            grids.append(None)
-            extents.append(0.0)
+    count = len(walls)
+    corners, normals, facets = [np.zeros((0, 9))], [np.zeros((0, 3))], [np.zeros(0, int)]
+    materials, owners = [np.zeros(0, int)], [np.zeros(0, int)]
+    extent = np.zeros(count)
+    origin, size, cells = np.zeros((count, 3)), np.ones(count), np.zeros((count, 3), np.int64)
+    offset, starts, entries = np.zeros(count, np.int64), [np.zeros(1, np.int64)], [np.zeros(0, int)]
+    facet_base = triangle_base = 0
+    for k, (shape, motion) in enumerate(walls):
+        offset[k] = sum(map(len, starts)) - 1
+        if isinstance(shape, Plane):
             continue
-        corner, normal, facet = wall.corner.reshape(-1, 9), wall.normal, wall.facet + facet_base
-        for axis in range(3):
-            if period[axis] > 0.0:
-                ends = corner[:, axis::3]
-                after = ends.min(axis=1) < low[axis] + cell
-                before = ends.max(axis=1) > low[axis] + period[axis] - cell
-                shift = np.zeros(9)
-                shift[axis::3] = period[axis]
-                corner = np.concatenate([corner, corner[after] + shift, corner[before] - shift])
-                normal = np.concatenate([normal, normal[after], normal[before]])
-                facet = np.concatenate([facet, facet[after], facet[before]])
-        facet_base += wall.facet_count
-        grids.append((sum(map(len, corners)), corner))
-        corners.append(corner)
-        normals.append(normal)
-        facets.append(facet)
-        materials.append(np.full(len(corner), number[wall.material]))
-        owners.append(np.full(len(corner), k))
-        pivot = np.asarray(motion.centre)
-        extents.append(float(np.linalg.norm(wall.point - pivot, axis=1).max()) if motion.rate else 0.0)
+        source, shift = _periodic_copies(shape.corner, cell, period, low)
+        corner = shape.corner[source] + shift[:, None, :]
+        origin[k], size[k], cells[k], per_cell, members = _cells_of_triangles(corner, cell)
+        starts.append(starts[-1][-1] + np.cumsum(per_cell))
+        entries.append(members + triangle_base)
+        corners.append(corner.reshape(-1, 9))
+        normals.append(shape.normal[source])
+        facets.append(shape.facet[source] + facet_base)
+        materials.append(np.full(len(source), number[shape.material]))
+        owners.append(np.full(len(source), k))
+        if motion.rate:
+            extent[k] = np.linalg.norm(shape.point - np.asarray(motion.centre), axis=1).max()
+        facet_base += shape.facet_count
+        triangle_base += len(source)
+    planes = [(k, shape) for k, (shape, _) in enumerate(walls) if isinstance(shape, Plane)]
     for k, plane in planes:
         direction = np.asarray(plane.normal, float)
         normals.append((direction / np.linalg.norm(direction))[None])
         facets.append(np.array([-1]))
         materials.append(np.array([number[plane.material]]))
         owners.append(np.array([k]))
-    empty = [np.zeros(0, int)]
-    origin, size = np.zeros((len(walls), 3)), np.ones(len(walls))
-    cells, offset, start, entries = (
-        np.zeros((len(walls), 3), np.int64),
-        np.zeros(len(walls), np.int64),
-        [0],
-        [np.zeros(0, int)],
-    )
-    for k, grid in enumerate(grids):
-        offset[k] = len(start) - 1
-        if grid is None:
-            continue
-        first, corner = grid
-        origin[k], size[k], cells[k], counts, members = _cells_of_triangles(corner, cell)
-        start.extend(start[-1] + np.cumsum(counts))
-        entries.append(members + first)
     return Geometry(
         corner=np.ascontiguousarray(np.concatenate(corners)),
         normal=np.ascontiguousarray(np.concatenate(normals)),
-        point=np.array([p.point for _, p in planes], float).reshape(-1, 3),
-        facet=np.concatenate(facets or empty).astype(np.int32),
-        material=np.concatenate(materials or empty).astype(np.int32),
-        body=np.concatenate(owners or empty).astype(np.int32),
-        moves=np.array([motion != Motion() for _, motion in walls], bool),
-        extent=np.array(extents),
+        point=np.array([plane.point for _, plane in planes], float).reshape(-1, 3),
+        facet=np.concatenate(facets).astype(np.int32),
+        material=np.concatenate(materials).astype(np.int32),
+        body=np.concatenate(owners).astype(np.int32),
+        moves=np.array([motion.moves for _, motion in walls], bool),
+        frame=np.array(
+            [next(k for k, (_, one) in enumerate(walls) if alike(one, motion)) for _, motion in walls],
+            np.int32,
+        ),
+        extent=extent,
         cell_origin=origin,
         cell_size=size,
         cell_count=cells,
         cell_offset=offset,
-        cell_start=np.array(start, np.int64),
+        cell_start=np.concatenate(starts),
         cell_triangle=np.concatenate(entries).astype(np.int32),
     )
 
 
-def _cells_of_triangles(corner: np.ndarray, cell: float):
-    """A grid over the bounding boxes of triangles: origin, cell size, counts along axes, entries by cell, triangles by cell."""
-    box_low, box_high = corner.reshape(-1, 3, 3).min(axis=1), corner.reshape(-1, 3, 3).max(axis=1)
+def _periodic_copies(
+    corner: np.ndarray, cell: float, period: np.ndarray, low: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Triangles (k,) and shifts (k, 3) [m]: all triangles where they are, then copies beyond the ends of periodic axes."""
+    source, shift = np.arange(len(corner)), np.zeros((len(corner), 3))
+    for axis in np.flatnonzero(period):
+        along = corner[source][:, :, axis] + shift[:, None, axis]
+        step = period[axis] * np.eye(3)[axis]
+        after = along.min(axis=1) < low[axis] + cell
+        before = along.max(axis=1) > low[axis] + period[axis] - cell
+        shift = np.concatenate([shift, shift[after] + step, shift[before] - step])
+        source = np.concatenate([source, source[after], source[before]])
+    return source, shift
+
+
+def _cells_of_triangles(
+    corner: np.ndarray, cell: float
+) -> tuple[np.ndarray, float, np.ndarray, np.ndarray, np.ndarray]:
+    """A grid over the boxes around triangles: origin, cell size, cells along axes, triangles in each cell, and which."""
+    box_low, box_high = corner.min(axis=1), corner.max(axis=1)
     origin, extent = box_low.min(axis=0), box_high.max(axis=0) - box_low.min(axis=0)
-    while np.prod(extent // cell + 1) > 8 * len(corner) + 1000:
+    while np.prod(np.floor(extent / cell) + 1) > 8 * len(corner) + 1000:
         cell *= 1.25
-    count = (extent // cell + 1).astype(np.int64)
-    low = np.clip(((box_low - origin) // cell).astype(np.int64), 0, count - 1)
-    high = np.clip(((box_high - origin) // cell).astype(np.int64), 0, count - 1)
-    keys, members = [], []
-    for t in range(len(corner)):
-        a, b, c = (np.arange(low[t, k], high[t, k] + 1) for k in range(3))
-        key = ((a[:, None, None] * count[1] + b[:, None]) * count[2] + c).ravel()
-        keys.append(key)
-        members.append(np.full(len(key), t))
-    key, member = np.concatenate(keys), np.concatenate(members)
-    order = np.argsort(key, kind="stable")
-    return origin, cell, count, np.bincount(key, minlength=int(np.prod(count))), member[order]
+    cells = (extent // cell + 1).astype(np.int64)
+    low = np.clip(((box_low - origin) // cell).astype(np.int64), 0, cells - 1)
+    span = np.clip(((box_high - origin) // cell).astype(np.int64), 0, cells - 1) - low + 1
+    copies = np.prod(span, axis=1)
+    member = np.repeat(np.arange(len(corner)), copies)
+    within = np.arange(len(member)) - np.repeat(np.cumsum(copies) - copies, copies)
+    low, span = low[member], span[member]
+    place = low + np.stack(
+        [within // (span[:, 1] * span[:, 2]), within // span[:, 2] % span[:, 1], within % span[:, 2]], 1
+    )
+    key = (place[:, 0] * cells[1] + place[:, 1]) * cells[2] + place[:, 2]
+    per_cell = np.bincount(key, minlength=int(np.prod(cells)))
+    return origin, cell, cells, per_cell, member[np.argsort(key, kind="stable")]
 
 
 @inlined
@@ -225,45 +230,66 @@ def common(contact, a, b, radius):
     return max(along, 0.0) * max(1.0 - apart, 0.0)
 
 
+@inlined
+def rises(contact, a, b, radius):
+    """Whether the point of contact a lies above the tangent plane of contact b, as only a concave corner makes it."""
+    height = 0.0
+    for k in range(3):
+        height += (contact[a, 1 + k] - contact[b, 1 + k]) * contact[b, 4 + k]
+    return height > LEVEL * radius
+
+
 @kernel
 def share_overlap(contact, count, radius, share):
     """Fill `share` (count,) with the part of its overlap that each contact really has, 0 to 1; returns how many have any."""
-    acting = 0
+    candidates = 0
     for a in range(count):
         share[a] = 1.0
         for b in range(count):
             if b == a or contact[b, 0] < contact[a, 0] or (contact[b, 0] == contact[a, 0] and b > a):
                 continue
-            c = common(contact, a, b, radius)
-            if contact[a, 0] <= c * contact[b, 0] + 1e-9 * contact[b, 0] + 1e-15 * radius:
-                share[a] = 0.0
+            if not rises(contact, a, b, radius):
+                share[a] = -1.0
                 break
         if share[a] > 0.0:
-            acting += 1
-    if acting < 2:
-        return acting
-    if acting == 2:
+            candidates += 1
+    if candidates == 2:
         a = 0
-        while share[a] == 0.0:
+        while share[a] < 0.0:
             a += 1
         b = a + 1
-        while share[b] == 0.0:
+        while share[b] < 0.0:
             b += 1
         c = common(contact, a, b, radius)
-        share[a] = (contact[a, 0] - c * contact[b, 0]) / ((1.0 - c * c) * contact[a, 0])
-        share[b] = (contact[b, 0] - c * contact[a, 0]) / ((1.0 - c * c) * contact[b, 0])
-        return acting
+        first, second = contact[a, 0] - c * contact[b, 0], contact[b, 0] - c * contact[a, 0]
+        if first > 0.0 and second > 0.0:
+            share[a] = first / ((1.0 - c * c) * contact[a, 0])
+            share[b] = second / ((1.0 - c * c) * contact[b, 0])
+        else:
+            share[a], share[b] = (1.0 if first > 0.0 else 0.0), (1.0 if second > 0.0 else 0.0)
+    elif candidates > 2:
+        share_among_many(contact, count, radius, share)
+    acting = 0
     for a in range(count):
+        share[a] = max(share[a], 0.0)
         if share[a] > 0.0:
-            share[a] = contact[a, 0]
+            acting += 1
+    return acting
+
+
+@kernel
+def share_among_many(contact, count, radius, share):
+    """The shares of three candidates and more, those that are not negative, by projected Gauss-Seidel until they stand."""
     for _ in range(SWEEPS):
+        largest_change = 0.0
         for a in range(count):
-            if share[a] > 0.0:
+            if share[a] >= 0.0:
                 rest = contact[a, 0]
                 for b in range(count):
                     if b != a and share[b] > 0.0:
-                        rest -= common(contact, a, b, radius) * share[b]
-                share[a] = max(rest, TINY)
-    for a in range(count):
-        share[a] /= contact[a, 0]
-    return acting
+                        rest -= common(contact, a, b, radius) * share[b] * contact[b, 0]
+                new = max(rest, 0.0) / contact[a, 0]
+                largest_change = max(largest_change, abs(new - share[a]))
+                share[a] = new
+        if largest_change < 1e-14:
+            break

@@ -29,8 +29,18 @@ class Motion(NamedTuple):
         None  # (k, 4): time [s], shift x, y, z [m]; linear between rows, still before and after
     )
 
+    @property
+    def moves(self) -> bool:
+        """Whether this is a motion at all."""
+        return bool(any(self.velocity) or any(self.amplitude) or self.rate or self.path is not None)
+
 
 STILL = Motion()
+
+
+def alike(one: Motion, other: Motion) -> bool:
+    """Whether two motions are the same, so that bodies with them stay where they are to one another."""
+    return np.array_equal(np.hstack(one[:-1]), np.hstack(other[:-1])) and np.array_equal(one.path, other.path)
 
 
 def rotation(

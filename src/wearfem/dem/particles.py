@@ -22,7 +22,8 @@ class Particles(NamedTuple):
     ident: np.ndarray  # (n,) int64, survives sorting
 
     @property
-    def count(self) -> int:
+    def count(self) -> int:  # type: ignore[override]  # hides tuple.count, which nobody asks of particles
+        """Number of particles."""
         return len(self.radius)
 
     @property

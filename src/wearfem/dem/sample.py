@@ -12,7 +12,7 @@ from wearfem.dem.flow import Flow, Model
 from wearfem.dem.geometry import geometry
 from wearfem.dem.motion import POSE, bodies, pose_at
 from wearfem.dem.neighbours import chunk_bounds, empty_pairs, list_pairs, sort_into_cells
-from wearfem.dem.pairs import LANES, PACKED, memory_rows
+from wearfem.dem.pairs import LANES, PACKED, PairList, memory_rows
 from wearfem.dem.particles import Particles, chosen, joined, spheres
 from wearfem.dem.steps import (
     DONE,
@@ -42,11 +42,30 @@ from wearfem.dem.tally import (
     speed_edges,
     with_room,
 )
-from wearfem.dem.walls import empty_walls, list_walls
+from wearfem.dem.walls import WallList, empty_walls, list_walls
 from wearfem.errors import UserError
 from wearfem.loads import FacetLoads
 
 STALE = 0.9  # part of a margin beyond which lists are made anew rather than kept a little longer
+
+
+def continued(body: np.ndarray, old: tuple[str, ...], new: tuple[str, ...]) -> np.ndarray:
+    """Wall numbers of contacts, when the walls change from `old` to `new` marks; -1 for contacts whose wall is gone.
+
+    A wall goes on as the one of the same mark, else as the one of the same name (a surface that has worn).
+    """
+
+    def name(mark: str) -> str:
+        return mark.rpartition(" ")[0]
+
+    def heir(mark: str) -> int:
+        if mark in new:
+            return new.index(mark)
+        names = [name(other) for other in new]
+        return names.index(name(mark)) if names.count(name(mark)) == 1 else -1
+
+    heirs = np.array([*(heir(mark) for mark in old), -1], np.int32)
+    return heirs[body]
 
 
 class Stepper:
@@ -82,22 +101,20 @@ class Stepper:
         self.travel, self.drift, self.ledger = flow.travel.copy(), flow.drift.copy(), flow.ledger.copy()
         self.particles = Particles(*(array.copy() for array in particles))
         self.rows = memory_rows(model.contact)
-        self.pairs, self.walls = flow.pairs, flow.walls
+        self.pair_reference, self.wall_reference = flow.pair_reference, flow.wall_reference
         self.packed = np.zeros((particles.count, PACKED)) if flow.packed is None else flow.packed.copy()
-        if flow.pairs is None or flow.walls is None:
+        if flow.pairs is not None and flow.walls is not None:
+            self.pairs = PairList(*(array.copy() for array in flow.pairs))
+            self.walls = WallList(*(array.copy() for array in flow.walls))
+            if flow.marks != model.marks:
+                self.walls = self.walls._replace(body=continued(self.walls.body, flow.marks, model.marks))
+                self.list_walls_again()
+        else:
             chunks = len(chunk_bounds(particles.count)) - 1
-            self.pairs, self.walls = (
-                empty_pairs(particles.count, chunks, LANES, self.rows),
-                empty_walls(particles.count),
-            )
+            self.pairs = empty_pairs(particles.count, chunks, LANES, self.rows)
+            self.walls = empty_walls(particles.count)
             if particles.count:
                 self.list_again()
-            else:
-                self.pair_reference, self.wall_reference = np.zeros((0, 3)), np.zeros((0, 3))
-        else:
-            self.pairs = type(flow.pairs)(*(array.copy() for array in flow.pairs))
-            self.walls = type(flow.walls)(*(array.copy() for array in flow.walls))
-            self.pair_reference, self.wall_reference = flow.pair_reference, flow.wall_reference
         self.tally = with_room(self.tally, self.walls.chunk_start)
 
     def result(self) -> Flow:
@@ -112,6 +129,7 @@ class Stepper:
             ledger=self.ledger,
             pairs=self.pairs,
             walls=self.walls,
+            marks=self.model.marks,
             packed=self.packed,
             pair_reference=self.pair_reference,
             wall_reference=self.wall_reference,
@@ -284,7 +302,9 @@ class Stepper:
         self.flow = replace(flow, fed=tuple(fed))
 
 
-def advance(flow: Flow, model: Model, duration: float, tell: Callable[[float], None] | None = None) -> Flow:
+def advance(
+    flow: Flow, model: Model, duration: float, tell: Callable[[float, str], None] | None = None
+) -> Flow:
     """The flow `duration` [s] later; `flow` itself is not changed."""
     window = _Window(duration, 1)
     return sample(flow, model, window, tell=tell)[0]
@@ -386,6 +406,8 @@ def check_start(flow: Flow, model: Model) -> None:
     for what, array in (
         ("position", p.position),
         ("velocity", p.velocity),
+        ("angular velocity", p.angular_velocity),
+        ("applied force", p.applied_force),
         ("radius", p.radius),
         ("mass", p.mass),
     ):

@@ -10,7 +10,7 @@ from wearfem.dem.motion import POSE, TURNING, VELOCITY, move, pose_at
 from wearfem.dem.neighbours import chunk_bounds
 from wearfem.dem.pairs import DISSIPATED, LANES, ROWS, collect_remote, pair_forces
 from wearfem.dem.particles import Particles
-from wearfem.dem.tally import MOST_ENTRIES, add_entries
+from wearfem.dem.tally import add_entries
 from wearfem.dem.walls import new_scratch, wall_forces
 from wearfem.jit import compiled, kernel, parallel, prange
 
@@ -254,7 +254,7 @@ def step_on(
                 kinds, work, constants, chunks,
             )  # fmt: skip
         clock[1] = 1
-        if (tally.filled > tally.start[1:] - tally.start[:-1] - MOST_ENTRIES).any():
+        if (tally.filled < 0).any():
             status = TOO_MANY_ENTRIES
             break
         add_entries(tally)

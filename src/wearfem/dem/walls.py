@@ -84,7 +84,10 @@ def point_into_body(pose, b, x, y, z):
 
 @inlined
 def touching_candidates(geometry, pose, walls, row, x, y, z, radius, found, item):
-    """Fill `found` with the candidates that the sphere overlaps, and `item` with their numbers; returns how many."""
+    """Fill `found` with the candidates that the sphere overlaps, and `item` with their numbers; returns how many.
+
+    Where triangles are so small that there is no room for all, the deepest are kept.
+    """
     count = 0
     body, bx, by, bz = -1, x, y, z
     for k in range(walls.candidate_start[row], walls.candidate_start[row + 1]):
@@ -94,12 +97,21 @@ def touching_candidates(geometry, pose, walls, row, x, y, z, radius, found, item
             body = owner
             bx, by, bz = point_into_body(pose, body, x, y, z)
         overlap, px, py, pz, nx, ny, nz = touching_point(geometry, one, bx, by, bz, radius)
-        if overlap > 0.0 and count < MOST_CANDIDATES:
-            item[count] = one
-            found[count, OVERLAP] = overlap
-            found[count, AT], found[count, AT + 1], found[count, AT + 2] = px, py, pz
-            found[count, ALONG], found[count, ALONG + 1], found[count, ALONG + 2] = nx, ny, nz
-            count += 1
+        if overlap > 0.0:
+            place = count
+            if count == MOST_CANDIDATES:
+                place = 0
+                for a in range(1, count):
+                    if found[a, OVERLAP] < found[place, OVERLAP]:
+                        place = a
+                if overlap <= found[place, OVERLAP]:
+                    continue
+            else:
+                count += 1
+            item[place] = one
+            found[place, OVERLAP] = overlap
+            found[place, AT], found[place, AT + 1], found[place, AT + 2] = px, py, pz
+            found[place, ALONG], found[place, ALONG + 1], found[place, ALONG + 2] = nx, ny, nz
     return count
 
 
@@ -119,11 +131,12 @@ def candidates_into_world(geometry, pose, found, item, count):
 
 
 @inlined
-def matching_record(walls, row, body, found, a, radius, taken):
-    """The old contact that candidate a continues: the nearest of the same body that faces the same way; -1 for a new contact."""
+def matching_record(geometry, walls, row, body, found, a, radius, taken):
+    """The old contact that candidate a continues: the nearest that moves alike and faces the same way; -1 for a new contact."""
     best, nearest = -1, 0.25 * radius * radius
     for k in range(MOST_TOUCHING):
-        if walls.body[row, k] == body and not taken[k]:
+        was = walls.body[row, k]
+        if was >= 0 and not taken[k] and geometry.frame[was] == geometry.frame[body]:
             square, same = 0.0, 0.0
             for c in range(3):
                 apart = found[a, AT + c] - walls.record[row, k, POINT + c]
@@ -297,7 +310,7 @@ def wall_forces_on(
             table.friction[mine, other],
             table.rolling_friction[mine, other],
         )
-        k = matching_record(walls, row, body, found, a, radius, scratch.taken)
+        k = matching_record(geometry, walls, row, body, found, a, radius, scratch.taken)
         known = k >= 0
         if known:
             scratch.taken[k] = True
@@ -370,10 +383,14 @@ def wall_forces_on(
 def wall_forces(
     contact, custom, table, geometry, pose, packed, wrench, walls, tally, chunk, scratch, work, time_step
 ):
-    """Add the wall forces of one chunk's particles to `wrench` and their loads to the chunk's entries."""
+    """Add the wall forces of one chunk's particles to `wrench` and their loads to the chunk's entries.
+
+    Where there is no room for the entries of all particles, `tally.filled` becomes -1.
+    """
     room = tally.start[chunk + 1] - tally.start[chunk] - MOST_ENTRIES
     for row in range(walls.chunk_start[chunk], walls.chunk_start[chunk + 1]):
         if tally.filled[chunk] > room:
+            tally.filled[chunk] = -1
             break
         wall_forces_on(
             contact, custom, table, geometry, pose, packed, wrench, walls, tally, row, chunk, scratch, work, time_step

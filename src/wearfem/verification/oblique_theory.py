@@ -26,7 +26,9 @@ from wearfem.verification.impact_theory import (
     Array,
     Body,
     ContactPair,
+    Sphere,
     contact_pair,
+    hertz_impact,
     restitution_at_zero_overlap,
     restitution_without_tension,
 )
@@ -147,13 +149,14 @@ def _normal_loading(steps: int) -> tuple[Array, float]:
 class SpringImpact:
     """An oblique impact by the spring law.
 
-    Slip velocity after, kappa v_s'/(mu v) [-] (psi_2 if e = 1), restitution v'/v [-], and whether the contact
-    slid at every moment.
+    Slip velocity after, kappa v_s'/(mu v) [-] (psi_2 if e = 1), restitution v'/v [-], whether the contact
+    slid at every moment, and the mean lever of the friction force over R [-].
     """
 
     slip: float
     restitution: float
     sliding: bool
+    lever: float = 1.0
 
 
 def spring_impact(
@@ -163,18 +166,17 @@ def spring_impact(
     damping: float = 0.0,
     tension: bool = True,
     rescale: bool = True,
+    depth: float = 0.0,
+    spin: float = 0.0,
 ) -> SpringImpact:
     """Oblique impact by Hertz, one tangential spring and a Coulomb limit, integrated from event to event.
 
-    Spring force q = k d, k = 8 G* a. While it sticks d' = v_s; on increasing overlap `rescale` keeps the
+    Spring force q = k d, k = 8 G* a. While it holds d' = v_s; on increasing overlap `rescale` keeps the
     force as k grows (Mindlin: the new contact area is laid down unstressed), otherwise, and on decreasing
-    overlap, the displacement is kept. Dashpot 2 sqrt(5/6) beta sqrt(k m*) v_s. At |q + dashpot| = mu F the
-    contact slides: q = mu F, no dashpot. Friction has no hold while the normal force pulls, so the
+    overlap, the displacement is kept. At |q| = mu F the spring slips: q = mu F, until it alone would fall
+    behind mu F. Dashpot c v_s, c = 2 sqrt(5/6) beta sqrt(k m*), as far as the limit leaves room for it:
+    T = q + c v_s, cut off at mu F on both sides. Friction has no hold while the normal force pulls, so the
     tangential motion is the same with and without tension.
-
-    In the limit of small steps the contact sticks again when the spring alone would fall behind mu F (no
-    damping), or when the slip turns (with damping); a limit met while the slip runs against the spring
-    resets the spring only.
 
     Parameters
     ----------
@@ -186,6 +188,11 @@ def spring_impact(
         Contact ends at zero overlap (True) or where the normal force would pull (False).
     rescale : bool
         Constant force on increasing overlap.
+    depth : float
+        How far body 1 is flattened at the largest elastic overlap D, over R [-]: friction acts at the lever
+        R (1 - depth x), where the surfaces touch. 0 is the limit of small overlaps, as in the theory.
+    spin : float
+        The part of psi_1 that is spin, kappa R w/(mu v) [-]; it matters with depth only.
 
     Notes
     -----
@@ -195,25 +202,31 @@ def spring_impact(
     (theory 4 chi - 1), or with damping for psi_1 > 2 chi (1 + e).
     **Valid for** homogeneous bodies, in-plane motion; with tension beta < 1. DOP853, rtol 1e-11.
     """
-    return _SpringContact(chi, stiffness_ratio, damping, tension, rescale).run(incidence)
+    return _SpringContact(chi, stiffness_ratio, damping, tension, rescale, depth).run(incidence, spin)
 
 
 class _SpringContact:
-    """The spring law as two smooth motions (stick, slide) and the events between them.
+    """The spring law as two motions, the spring holds or slips, and the events between them.
 
-    State: x, x', slip velocity, spring. The spring is held as its force while the overlap grows (with
-    rescaling), else as its displacement.
+    State: x, x', velocity of translation and of spin along the surface, spring. The spring is held as its force
+    while the overlap grows (with rescaling), else as its displacement.
     """
 
     def __init__(
-        self, chi: float, stiffness_ratio: float, damping: float, tension: bool, rescale: bool
+        self,
+        chi: float,
+        stiffness_ratio: float,
+        damping: float,
+        tension: bool,
+        rescale: bool,
+        depth: float = 0.0,
     ) -> None:
-        self.rate_of_slip = 2.0 * chi
+        self.depth = depth
+        self.rate_of_translation, self.rate_of_spin = stiffness_ratio, 2.0 * chi - stiffness_ratio
         self.normal_dashpot = 2.5 * damping
         self.tangential_dashpot = 2.5 * damping / math.sqrt(stiffness_ratio)
-        self.restitution = (
-            restitution_at_zero_overlap(damping) if tension else restitution_without_tension(damping)
-        )
+        self.pushed = restitution_without_tension(damping)
+        self.restitution = restitution_at_zero_overlap(damping) if tension else self.pushed
         self.rescale = rescale
         self.keeps_force = rescale
         self.sign = 1.0
@@ -226,35 +239,47 @@ class _SpringContact:
         """mu F over mu."""
         return max(self.normal_force(state), 0.0)
 
+    def lever(self, state: Array) -> float:
+        """Distance of the touching surfaces from the centre, over R."""
+        return float(1.0 - self.depth * max(state[0], 0.0))
+
+    def slip(self, state: Array) -> float:
+        return float(state[2] + self.lever(state) * state[3])
+
     def spring(self, state: Array) -> float:
-        return float(state[3] if self.keeps_force else STIFFNESS * math.sqrt(max(state[0], 0.0)) * state[3])
+        return float(state[4] if self.keeps_force else STIFFNESS * math.sqrt(max(state[0], 0.0)) * state[4])
 
     def held(self, force: float, overlap: float) -> float:
         return force if self.keeps_force else force / (STIFFNESS * math.sqrt(overlap))
 
-    def trial(self, state: Array) -> float:
-        return float(self.spring(state) + self.tangential_dashpot * max(state[0], 0.0) ** 0.25 * state[2])
+    def rates(self, state: Array, spring: float, held_rate: float) -> list[float]:
+        """Motion under spring and dashpot together, cut off at the limit."""
+        limit = self.limit(state)
+        pull = spring + self.tangential_dashpot * max(state[0], 0.0) ** 0.25 * self.slip(state)
+        pull = min(max(pull, -limit), limit)
+        turning = -self.rate_of_spin * self.lever(state) * pull
+        return [state[1], -self.normal_force(state), -self.rate_of_translation * pull, turning, held_rate]
 
     def stick(self, _: float, state: Array) -> list[float]:
         stiffness = STIFFNESS * math.sqrt(max(state[0], 0.0)) if self.keeps_force else 1.0
-        return [
-            state[1],
-            -self.normal_force(state),
-            -self.rate_of_slip * self.trial(state),
-            stiffness * state[2],
-        ]
+        return self.rates(state, self.spring(state), stiffness * self.slip(state))
 
     def slide(self, _: float, state: Array) -> list[float]:
-        return [state[1], -self.normal_force(state), -self.rate_of_slip * self.sign * self.limit(state), 0.0]
+        return self.rates(state, self.sign * self.limit(state), 0.0)
 
     def over_limit(self, _: float, state: Array) -> float:
-        return abs(self.trial(state)) - self.limit(state)
+        return abs(self.spring(state)) - self.limit(state)
 
     def sticks_again(self, _: float, state: Array) -> float:
+        """How much faster the spring at its limit would grow than the limit does; over sqrt(x)."""
+        overlap, rate = max(state[0], 1e-30), state[1]
+        limit_rate, lost = 1.875 * rate, 0.625 * rate
         if self.normal_dashpot > 0.0:
-            return self.sign * float(state[2])
-        lost = 0.0 if self.keeps_force else 0.625 * state[1]
-        return float(STIFFNESS * self.sign * state[2] + lost - 1.875 * state[1])
+            change = 0.25 * rate**2 / overlap - self.normal_force(state)
+            limit_rate += self.normal_dashpot * overlap**-0.25 * change
+            lost += 0.5 * self.normal_dashpot * overlap**-1.25 * rate**2
+        own = STIFFNESS * self.sign * self.slip(state)
+        return float(own - limit_rate if self.keeps_force else own + lost - limit_rate)
 
     def turned(self, _: float, state: Array) -> float:
         return float(state[1])
@@ -262,13 +287,12 @@ class _SpringContact:
     def released(self, _: float, state: Array) -> float:
         return float(1.25 * max(state[0], 0.0) ** 1.25 + self.normal_dashpot * state[1])
 
-    def run(self, incidence: float) -> SpringImpact:
+    def run(self, incidence: float, spin: float = 0.0) -> SpringImpact:
         time = 1e-10
         force = STIFFNESS * incidence * time**1.5 * (2.0 / 3.0 if self.rescale else 1.0)
-        state = np.array([time, 1.0, incidence, self.held(force, time)])
-        sticking = self.trial(state) < self.limit(state)
-        always_sliding, growing = not sticking, True
-        nudge = 1e-7
+        state = np.array([time, 1.0, incidence - spin, spin, self.held(force, time)])
+        sticking = abs(self.spring(state)) < self.limit(state)
+        growing = True
         for _ in range(10_000):
             motion = self.stick if sticking else self.slide
             changes = _event(self.over_limit, 1) if sticking else _event(self.sticks_again, -1)
@@ -278,22 +302,20 @@ class _SpringContact:
             )
             time, state = float(leg.t[-1]), leg.y[:, -1].copy()
             if leg.t_events[0].size:
-                return SpringImpact(float(state[2]), self.restitution, always_sliding)
+                change, turned = state[2] - (incidence - spin), state[3] - spin
+                most = self.rate_of_translation * (1.0 + self.pushed)
+                lever = turned / change * self.rate_of_translation / self.rate_of_spin if change else 1.0
+                sliding = bool(abs(abs(change) - most) < 1e-7)
+                return SpringImpact(float(state[2] + state[3]), self.restitution, sliding, float(lever))
             if growing and leg.t_events[2].size:
                 kept = self.spring(state)
                 growing, self.keeps_force = False, False
-                state[3] = self.held(kept, state[0])
+                state[4] = self.held(kept, state[0])
                 continue
             if sticking:
-                self.sign = math.copysign(1.0, self.trial(state))
-                sticking = self.normal_dashpot > 0.0 and self.sign * state[2] < 0.0
-                state[3] = self.held(self.sign * self.limit(state), state[0])
-            else:
-                if self.normal_dashpot > 0.0:
-                    state = state + nudge * np.array(self.slide(time, state))
-                    time += nudge
-                state[3] = self.held(self.sign * self.limit(state), state[0])
-                sticking, always_sliding = True, False
+                self.sign = math.copysign(1.0, self.spring(state))
+            state[4] = self.held(self.sign * self.limit(state), state[0])
+            sticking = not sticking
         raise RuntimeError("the spring contact changed between stick and slip more than 10 000 times")
 
 
@@ -311,20 +333,23 @@ def _event(function: Callable[[float, Array], float], direction: int) -> Callabl
 
 
 def _rebound(
-    first: Body, second: Body, impact: Impact, friction: float, slip: float, restitution: float, sliding: bool
+    first: Body,
+    second: Body,
+    impact: Impact,
+    friction: float,
+    slip: float,
+    restitution: float,
+    sliding: bool,
+    lever: float = 1.0,
 ) -> Rebound:
-    """Rebound from the normalised slip velocity after the impact."""
+    """Rebound from the normalised slip velocity after the impact and the mean lever of the friction force."""
     pair = contact_pair(first, second)
     before = slip_velocity(first, second, impact)
     after = math.copysign(1.0, before) * slip * friction * impact.approach_speed / pair.stiffness_ratio
-    return apply_impulse(
-        first,
-        second,
-        impact,
-        restitution * impact.approach_speed,
-        pair.tangential_mass * (after - before),
-        sliding,
-    )
+    shift = 1.0 / pair.effective_mass
+    mobility = shift + lever * (1.0 / pair.tangential_mass - shift)
+    separation = restitution * impact.approach_speed
+    return apply_impulse(first, second, impact, separation, (after - before) / mobility, sliding, lever)
 
 
 def partial_slip_rebound(
@@ -345,12 +370,28 @@ def spring_rebound(
     damping: float = 0.0,
     tension: bool = True,
     rescale: bool = True,
+    flattened: bool = False,
 ) -> Rebound:
-    """Rebound by the spring law (see `spring_impact`), in SI."""
+    """Rebound by the spring law (see `spring_impact`), in SI.
+
+    `flattened`: friction acts where the surfaces touch, R - d from the centre of a sphere on a plane and R1 - d R2/(R1 + R2) in
+    general, as in an engine; otherwise at R, as in the theory of small overlaps. Both levers are shortened by the
+    factor of body 1: right on a plane, for equal spheres, and where body 2 is so heavy that its spin stays.
+    """
     pair = contact_pair(first, second)
-    angle = incidence(pair, slip_velocity(first, second, impact), impact.approach_speed, friction)
-    after = spring_impact(pair.chi, angle, pair.stiffness_ratio, damping, tension, rescale)
-    return _rebound(first, second, impact, friction, after.slip, after.restitution, after.sliding)
+    slip = slip_velocity(first, second, impact)
+    angle = incidence(pair, slip, impact.approach_speed, friction)
+    depth, spin = 0.0, 0.0
+    if flattened:
+        bodies = [body for body in (first, second) if isinstance(body, Sphere)]
+        flattening = pair.effective_radius / first.radius**2
+        depth = hertz_impact(pair, impact.approach_speed).maximum_overlap * flattening
+        rolling = sum(b.radius * w for b, w in zip(bodies, impact.angular_velocity, strict=False))
+        spin = angle * rolling / slip if slip else 0.0
+    after = spring_impact(pair.chi, angle, pair.stiffness_ratio, damping, tension, rescale, depth, spin)
+    return _rebound(
+        first, second, impact, friction, after.slip, after.restitution, after.sliding, after.lever
+    )
 
 
 def energy_loss(incidence: Array | float, reflection: Array | float) -> Array:

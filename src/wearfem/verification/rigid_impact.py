@@ -58,11 +58,12 @@ def apply_impulse(
     separation_speed: float,
     tangential_impulse: float,
     sliding: bool,
+    lever: float = 1.0,
 ) -> Rebound:
     """Motion after a tangential impulse [N.s] on body 1 at the contact point (and its reaction on body 2).
 
     vx1' = vx1 + J/m1, w1' = w1 + R1 J/I1, vx2' = vx2 - J/m2, w2' = w2 + R2 J/I2: momentum and angular
-    momentum are kept.
+    momentum are kept. `lever` [-] shortens both R where spheres are flattened by their contact.
     """
     velocity, spin = impact.tangential_velocity, impact.angular_velocity
     after = Rebound(
@@ -72,8 +73,8 @@ def apply_impulse(
             velocity[1] - tangential_impulse / second.mass,
         ),
         angular_velocity=(
-            spin[0] + first.spin_per_impulse * tangential_impulse,
-            spin[1] + second.spin_per_impulse * tangential_impulse,
+            spin[0] + lever * first.spin_per_impulse * tangential_impulse,
+            spin[1] + lever * second.spin_per_impulse * tangential_impulse,
         ),
         slip_velocity=0.0,
         tangential_impulse=tangential_impulse,

@@ -1,0 +1,1 @@
+"""From what particles did to a facet to how fast it wears."""
