@@ -33,7 +33,7 @@ BIN = (-300 * mm, 500 * mm)  # where the bin's ends stand
 WIDTH = 40 * mm  # periodic; printed: more than four diameters
 LAST_TILT = 60 * degree  # steep enough to empty the plate
 
-FILL, RELEASE, SETTLE = 2.3 * second, 0.9 * second, 1.5 * second  # the last one at most
+FILL, RELEASE, SETTLE = 2.2 * second, 1.5 * second, 1.5 * second  # the last one at most
 GATE_TURN = 120 * degree  # the gate swings up about its upper edge ...
 GATE_TIME = 0.15 * second  # ... within this time
 
@@ -135,8 +135,8 @@ def case(
                 stop=FEED_TIME,
             ),
         ),
-        pair_skin=0.125 * (smallest + largest),
-        wall_skin=0.25 * (smallest + largest),
+        pair_skin=0.4 * (smallest + largest),  # wide margins: a few fast particles would have all lists made anew
+        wall_skin=0.4 * (smallest + largest),
     )
     stages = (
         Stage("fill", model, Window(FILL)),

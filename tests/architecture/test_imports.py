@@ -12,14 +12,14 @@ LAYERS = (
     {"cli"},
     {"verify", "bench", "check"},
     {"proofs"},
-    {"report", "study", "verification"},
+    {"report", "report_particles", "study", "verification"},
     {"run"},
     {"record", "cycle", "progress", "pictures"},
     {"case"},
     {"settings"},
     {"dem", "liner", "wear", "survey"},
     {"surface_file"},
-    {"surface", "loads", "material"},
+    {"surface", "loads", "material", "slope"},
     {"vector", "units", "jit", "errors", "proof"},
 )
 SIBLINGS = {"dem", "liner", "wear", "survey"}  # never import one another ...
@@ -31,7 +31,7 @@ ALONE = {"verification"}  # what the engine is measured against owes nothing to 
 ONLY_IN = {
     "numba": ("jit.py", "dem/gpu.py"),
     "skfem": ("liner/", "wear/smooth.py"),
-    "matplotlib": ("report.py", "pictures.py"),
+    "matplotlib": ("report.py", "report_particles.py", "pictures.py"),
     "pyvista": ("report.py", "pictures.py"),
     "click": ("cli.py",),
     "rich": ("progress.py", "report.py", "run.py", "check.py", "verify.py", "bench.py"),

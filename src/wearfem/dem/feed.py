@@ -34,7 +34,7 @@ class Sizes:
     @property
     def smallest(self) -> float:
         """Smallest radius that can be drawn [m]"""
-        return float(min(e for e, s in zip(self.edge, self.share, strict=True) if s > 0))
+        return float(min(e for e, s in zip(self.edge[:-1], self.share, strict=True) if s > 0))
 
     def draw(self, count: int, random: np.random.Generator) -> np.ndarray:
         """(count,) radii [m]; classes are drawn by number, so that mass follows the shares."""
@@ -108,3 +108,60 @@ class Inlet:
                 radius.append(r)
                 break
         return np.array(radius[first:]), np.array(position[first:]).reshape(-1, 3)
+
+
+def packing(
+    low: tuple[float, float, float],
+    high: tuple[float, float, float],
+    sizes: Sizes,
+    *,
+    count: int | None = None,
+    mass: float | None = None,
+    density: float | None = None,
+    seed: int = 0,
+) -> tuple[np.ndarray, np.ndarray]:
+    """A loose packing to let settle: radii (n,) and positions (n, 3) [m] of spheres in a box, none touching another.
+
+    Each sphere lies at random in a cell of its own, a little larger than the largest; cells are filled from the bottom
+    up, in random order within a layer. Nothing reaches over the sides, so the box may be periodic.
+
+    Parameters
+    ----------
+    low, high
+        Corners of the box [m].
+    sizes
+        Of the spheres.
+    count, mass
+        How many spheres, or how much in all [kg] to half of the last sphere; give one of them.
+    density
+        Of the spheres [kg/m3], needed with `mass`.
+    seed
+        The same seed gives the same packing.
+    """
+    bottom, top = np.asarray(low, float), np.asarray(high, float)
+    cells = np.floor((top - bottom) / (2.0 * sizes.largest) * (1.0 + 1e-12)).astype(int)
+    room = int(np.prod(np.maximum(cells, 0)))
+    random = np.random.default_rng(seed)
+    if count is not None and mass is None:
+        radius = sizes.draw(min(count, room + 1), random)
+    elif mass is not None and density is not None and count is None:
+        radius = sizes.draw(room + 1, random)
+        each = density * 4.0 / 3.0 * np.pi * radius**3
+        radius = radius[np.cumsum(each) <= mass + 0.5 * each]
+    else:
+        raise UserError("A packing was asked for without a size; give `count`, or `mass` with `density`.")
+    if len(radius) > room:
+        wanted = f"{count} spheres" if count is not None else f"{mass:g} kg"
+        raise UserError(
+            f"The box from {low} to {high} m has room for {room} loosely packed spheres of up to {2 * sizes.largest:g} m, not for "
+            f"{wanted}; make it higher."
+        )
+    per_layer = int(cells[0] * cells[1])
+    order = np.concatenate(
+        [np.zeros(0, int), *(layer * per_layer + random.permutation(per_layer) for layer in range(cells[2]))]
+    )
+    layer, place = np.divmod(order[: len(radius)], max(per_layer, 1))
+    index = np.stack([*np.divmod(place, max(int(cells[1]), 1)), layer], axis=1)
+    edge = (top - bottom) / np.maximum(cells, 1)
+    play = random.random((len(radius), 3)) - 0.5
+    return radius, bottom + (index + 0.5) * edge + play * (edge - 2.0 * radius[:, None])
