@@ -40,7 +40,10 @@ STILL = Motion()
 
 def alike(one: Motion, other: Motion) -> bool:
     """Whether two motions are the same, so that bodies with them stay where they are to one another."""
-    return np.array_equal(np.hstack(one[:-1]), np.hstack(other[:-1])) and np.array_equal(one.path, other.path)
+    steady = one._replace(path=None) == other._replace(path=None)
+    if one.path is None or other.path is None:
+        return steady and one.path is other.path
+    return steady and np.array_equal(one.path, other.path)
 
 
 def rotation(
