@@ -39,19 +39,11 @@ def _cache_directory() -> str:
 
 
 os.environ.setdefault("NUMBA_CACHE_DIR", _cache_directory())
-os.environ.setdefault(
-    "NUMBA_THREADING_LAYER_PRIORITY", "omp workqueue tbb"
-)  # omp needs libgomp1; results are the same
+os.environ.setdefault("NUMBA_THREADING_LAYER_PRIORITY", "omp workqueue tbb")  # omp needs libgomp1
 
 import numba  # noqa: E402  (the cache directory must be named before numba is imported)
 from numba import prange as prange  # noqa: E402
 from numba.extending import overload_method  # noqa: E402
-
-numba.config.THREADING_LAYER_PRIORITY = [
-    "omp",
-    "workqueue",
-    "tbb",
-]  # omp needs libgomp1; results are the same
 
 OPTIONS = {"error_model": "numpy", "cache": True, "nogil": True}
 

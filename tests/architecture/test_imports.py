@@ -12,6 +12,7 @@ LAYERS = (
     {"cli"},
     {"verify", "bench", "check"},
     {"proofs"},
+    {"benchmarks"},
     {"report", "report_particles", "study", "verification"},
     {"run"},
     {"record", "cycle", "progress", "pictures"},

@@ -6,10 +6,12 @@ import numpy as np
 
 from wearfem.dem.contact import Pair
 from wearfem.dem.flow import Flow, Model
+from wearfem.dem.motion import point_into_body
 from wearfem.dem.pairs import LANES, memory_rows
 from wearfem.dem.sample import Stepper
 from wearfem.dem.steps import DAMPING_LOSS, EXTERNAL_WORK, ROLLING_LOSS, SLIP_LOSS, STIFFNESS_LOSS, WALL_WORK
-from wearfem.dem.walls import MEMORY, POINT, SHARE, point_into_body, wall_touch
+from wearfem.dem.wall_list import MEMORY, POINT, SHARE
+from wearfem.dem.walls import wall_touch
 
 
 @dataclass(frozen=True)

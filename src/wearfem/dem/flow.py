@@ -13,7 +13,7 @@ from wearfem.dem.pairs import PairList
 from wearfem.dem.particles import Particles
 from wearfem.dem.steps import LEDGER
 from wearfem.dem.tally import NoTally
-from wearfem.dem.walls import WallList
+from wearfem.dem.wall_list import WallList
 from wearfem.errors import UserError
 from wearfem.material import Interaction, Material, pair_table
 from wearfem.surface import Plane, Surface

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from wearfem.errors import UserError
-from wearfem.jit import compiled, kernel
+from wearfem.jit import compiled, inlined, kernel
 
 
 class Motion(NamedTuple):
@@ -149,6 +149,32 @@ def pose_at(bodies, body, time, pose):
         for m in range(3):
             turned += pose[ROTATION + 3 * k + m] * c[11 + m]
         pose[ORIGIN + k] = pose[PIVOT + k] - turned
+
+
+@inlined
+def into_body(pose, b, x, y, z):
+    """R^T v: a vector of the world frame in the frame of body b."""
+    return (
+        pose[b, ROTATION] * x + pose[b, ROTATION + 3] * y + pose[b, ROTATION + 6] * z,
+        pose[b, ROTATION + 1] * x + pose[b, ROTATION + 4] * y + pose[b, ROTATION + 7] * z,
+        pose[b, ROTATION + 2] * x + pose[b, ROTATION + 5] * y + pose[b, ROTATION + 8] * z,
+    )
+
+
+@inlined
+def into_world(pose, b, x, y, z):
+    """R v: a vector of the frame of body b in the world frame."""
+    return (
+        pose[b, ROTATION] * x + pose[b, ROTATION + 1] * y + pose[b, ROTATION + 2] * z,
+        pose[b, ROTATION + 3] * x + pose[b, ROTATION + 4] * y + pose[b, ROTATION + 5] * z,
+        pose[b, ROTATION + 6] * x + pose[b, ROTATION + 7] * y + pose[b, ROTATION + 8] * z,
+    )
+
+
+@inlined
+def point_into_body(pose, b, x, y, z):
+    """A point of the world frame in the frame of body b."""
+    return into_body(pose, b, x - pose[b, ORIGIN], y - pose[b, ORIGIN + 1], z - pose[b, ORIGIN + 2])
 
 
 @kernel

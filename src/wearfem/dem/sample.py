@@ -42,7 +42,7 @@ from wearfem.dem.tally import (
     speed_edges,
     with_room,
 )
-from wearfem.dem.walls import WallList, empty_walls, list_walls
+from wearfem.dem.wall_list import WallList, empty_walls, list_walls
 from wearfem.errors import UserError
 from wearfem.loads import FacetLoads
 
