@@ -16,8 +16,9 @@ from wearfem.record import require_writable, this_machine, write_json
 
 
 def proof_names() -> list[str]:
-    """The names of all proofs: the modules of `wearfem.proofs`."""
-    return sorted(module.name for module in pkgutil.iter_modules(wearfem.proofs.__path__))
+    """The names of all proofs: the modules of `wearfem.proofs` that do not begin with an underscore."""
+    names = (module.name for module in pkgutil.iter_modules(wearfem.proofs.__path__))
+    return sorted(name for name in names if not name.startswith("_"))
 
 
 def verify(names: Sequence[str] = (), json_file: Path | None = None) -> bool:
