@@ -121,7 +121,8 @@ def geometry(
         body=np.concatenate(owners or empty).astype(np.int32),
         moves=np.array([not alike(motion, STILL) for _, motion in walls], bool),
         frame=np.array(
-            [next(k for k, (_, one) in enumerate(walls) if alike(one, motion)) for _, motion in walls], np.int32
+            [next(k for k, (_, one) in enumerate(walls) if alike(one, motion)) for _, motion in walls],
+            np.int32,
         ),
         extent=np.array(extents),
         cell_origin=origin,
