@@ -26,15 +26,15 @@ def picture(
         figure.savefig(temporary, format="png", dpi=150)
 
 
-def draw_surface(axes: Any, surface: Surface, value: np.ndarray, label: str, *, unit: float = 1e-3) -> None:
+def draw_surface(axes: Any, surface: Surface, value: np.ndarray, label: str) -> None:
     """A surface from above, coloured by a value (f,) of its facets, with a colour bar.
 
-    Facets that face away are left out, facets of value 0 are grey. Axes are in `unit` [m], by default mm.
+    Facets that face away are left out, facets of value 0 are grey. Axes are in mm.
     """
     from matplotlib.colors import ListedColormap
 
     seen = surface.normal[:, 2] > 1e-6
-    corner, of_triangle = surface.corner[seen][:, :, :2] / unit, value[surface.facet[seen]]
+    corner, of_triangle = surface.corner[seen][:, :, :2] * 1e3, value[surface.facet[seen]]
     x, y = corner.reshape(-1, 2).T
     triangle = np.arange(len(x)).reshape(-1, 3)
     edge = {"edgecolors": "white", "linewidth": 0.15}
@@ -45,9 +45,7 @@ def draw_surface(axes: Any, surface: Surface, value: np.ndarray, label: str, *, 
             x, y, triangle[touched], facecolors=of_triangle[touched], cmap="inferno_r", vmin=0.0
         )
         axes.figure.colorbar(drawn, ax=axes, label=label, shrink=0.85)
-    axes.set(
-        aspect="equal", xlabel="x [mm]" if unit == 1e-3 else "x", ylabel="y [mm]" if unit == 1e-3 else "y"
-    )
+    axes.set(aspect="equal", xlabel="x [mm]", ylabel="y [mm]")
 
 
 def draw_lines(
