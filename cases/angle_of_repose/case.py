@@ -14,7 +14,7 @@ from typing import Literal
 
 import numpy as np
 
-from wearfem.case import Case, Figure, Outcome, Stage, StageOutcome, Window
+from wearfem.case import Case, Figure, Outcome, Stage, Window
 from wearfem.dem.contact import ConstantTorque, Contact, ElasticPlasticRolling, HertzMindlin
 from wearfem.dem.feed import Inlet, uniform_sizes
 from wearfem.dem.flow import Domain, Flow, Model, Wall
@@ -89,7 +89,9 @@ def case(
     tilting = speed_up * TILT_SPEED[experiment]
     tilt_time = LAST_TILT / tilting
     tilt_start = FILL + RELEASE
-    rayleigh = math.pi * smallest * math.sqrt(ore.density / shear_modulus) / (0.1631 * ore.poisson_ratio + 0.8766)
+    rayleigh = (
+        math.pi * smallest * math.sqrt(ore.density / shear_modulus) / (0.1631 * ore.poisson_ratio + 0.8766)
+    )
 
     def sheet(start: tuple[float, float], end: tuple[float, float], material: Material, name: str) -> Surface:
         """A rectangle across the whole width, from one (x, z) to another; ore is on its left."""
@@ -113,7 +115,9 @@ def case(
         ),
         time_step=RAYLEIGH_SHARE * rayleigh,
         domain=Domain(
-            (BIN[0] - 10 * mm, 0.0, -DROP - 10 * mm), (BIN[1] + 10 * mm, width, 600 * mm), (False, True, False)
+            (BIN[0] - 10 * mm, 0.0, -DROP - 10 * mm),
+            (BIN[1] + 10 * mm, width, 600 * mm),
+            (False, True, False),
         ),
         walls=(
             Wall(sheet((-BOX_LENGTH, 0.0), (0.0, 0.0), steel, "plate"), turn),
@@ -135,7 +139,8 @@ def case(
                 stop=FEED_TIME,
             ),
         ),
-        pair_skin=0.4 * (smallest + largest),  # wide margins: a few fast particles would have all lists made anew
+        pair_skin=0.4
+        * (smallest + largest),  # wide margins: a few fast particles would have all lists made anew
         wall_skin=0.4 * (smallest + largest),
     )
     stages = (
@@ -210,7 +215,9 @@ class Angles:
     def half_width(self) -> tuple[float, float, float]:
         """[degree] half of the 95 % intervals of this one run: of the line, of the mean over moments, of the lines"""
         moments = self.surface_angles
-        middle = 1.96 * float(np.std(moments, ddof=1)) / math.sqrt(len(moments)) if len(moments) > 1 else math.nan
+        middle = (
+            1.96 * float(np.std(moments, ddof=1)) / math.sqrt(len(moments)) if len(moments) > 1 else math.nan
+        )
         flanks = math.hypot(*(0.5 * (line.high - line.low) for line in self.heap)) / 2.0
         return 0.5 * (self.pile.high - self.pile.low), middle, flanks
 
@@ -275,9 +282,7 @@ def _figures(setup: Setup, outcome: Outcome) -> tuple[Figure, ...]:
     for name, value, half, (measured, simulated) in zip(
         names, angles.value, angles.half_width, published, strict=True
     ):
-        source = (
-            f"Table 2: Experiment {measured[0]} +- {measured[1]}, their simulation {simulated[0]} +- {simulated[1]}"
-        )
+        source = f"Table 2: Experiment {measured[0]} +- {measured[1]}, their simulation {simulated[0]} +- {simulated[1]}"
         figures.append(Figure(name, value, "degree", measured[0], source, measured[1]))
         figures.append(Figure(f"{name.split(',')[0]}, half of its 95 % interval in this run", half, "degree"))
     front, rear = angles.heap

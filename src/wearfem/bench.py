@@ -104,7 +104,9 @@ def _measure(benchmark: Benchmark, quick: bool) -> dict[str, Any]:
         "speed": {code: {str(c): median(v) for c, v in by.items()} for code, by in speed.items()},
         "ratio": {
             peer.name: {
-                str(count): [ours / theirs for ours, theirs in zip(speed["wearfem"][count], values, strict=True)]
+                str(count): [
+                    ours / theirs for ours, theirs in zip(speed["wearfem"][count], values, strict=True)
+                ]
                 for count, values in speed.get(peer.name, {}).items()
                 if len(values) == rounds
             }
@@ -249,7 +251,8 @@ def _memory(flow: Flow, model: Model) -> dict[str, float]:
         "bytes_per_listed_pair": sum(array.nbytes for array in by_pair) / max(listed, 1),
         "bytes_per_contact": sum(array.nbytes for array in by_pair) / touching,
         "bytes_per_particle_near_walls": sum(array.nbytes for array in by_row) / max(len(walls.particle), 1),
-        "bytes_in_all_per_particle": sum(a.nbytes for a in (*own, *by_pair, *by_row) if a is not None) / count,
+        "bytes_in_all_per_particle": sum(a.nbytes for a in (*own, *by_pair, *by_row) if a is not None)
+        / count,
         "peak_process_bytes": 1024.0 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss,
     }
 

@@ -6,7 +6,10 @@ import numpy as np
 
 from wearfem.errors import UserError
 
-WINDOW = (0.15, 0.85)  # part of the height from toe to crest that a line is fitted to: away from both roundings
+WINDOW = (
+    0.15,
+    0.85,
+)  # part of the height from toe to crest that a line is fitted to: away from both roundings
 FEWEST = 4  # columns that a line needs
 RESAMPLES = 400  # of the bootstrap
 
@@ -37,7 +40,13 @@ class Line:
 
 
 def free_surface(
-    along: np.ndarray, across: np.ndarray, height: np.ndarray, radius: np.ndarray, *, cell: float, width: float
+    along: np.ndarray,
+    across: np.ndarray,
+    height: np.ndarray,
+    radius: np.ndarray,
+    *,
+    cell: float,
+    width: float,
 ) -> Profile:
     """The profile of a heap: by column of length `cell`, the median over strips across of the topmost particle's top.
 
@@ -100,7 +109,7 @@ def fit_line(profile: Profile, *, seed: int = 0) -> Line:
     )
 
 
-def _degrees(slope):
+def _degrees(slope: float | np.ndarray) -> np.ndarray:
     return -np.degrees(np.arctan(slope))
 
 

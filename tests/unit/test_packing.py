@@ -32,7 +32,9 @@ def test_the_mass_is_met_to_half_of_a_sphere():
 
 def test_layers_fill_from_the_bottom():
     radius, position = packing(LOW, HIGH, SIZES, count=100)
-    assert position[:, 2].max() + 0.0 < LOW[2] + 2 * 2 * 1.1 * SIZES.largest  # 108 cells a layer, so one layer
+    assert (
+        position[:, 2].max() + 0.0 < LOW[2] + 2 * 2 * 1.1 * SIZES.largest
+    )  # 108 cells a layer, so one layer
 
 
 def test_the_seed_decides():
