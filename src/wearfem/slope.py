@@ -109,7 +109,7 @@ def fit_line(profile: Profile, *, seed: int = 0) -> Line:
     )
 
 
-def _degrees(slope):
+def _degrees(slope: float | np.ndarray) -> np.ndarray:
     return -np.degrees(np.arctan(slope))
 
 
