@@ -36,7 +36,9 @@ def claims() -> Iterator[Claim]:
         contact=Contact(HertzMindlin(), ElasticPlasticRolling()),
         walls=(floor, behind, gate),
     )
-    radius, position = packing((0.0, 0.0, 0.0), (BOX, WIDTH, 0.5), SIZES, mass=1.5, density=ORE.density, seed=1)
+    radius, position = packing(
+        (0.0, 0.0, 0.0), (BOX, WIDTH, 0.5), SIZES, mass=1.5, density=ORE.density, seed=1
+    )
     column, _, _ = sample(Flow(spheres(position, radius, ORE.density)), model, Window(0.5, block_count=10))
     opened = replace(model, walls=(floor, behind))
     heap, _, _ = sample(column, opened, Window(1.5, block_count=15), until=_rests)
@@ -55,14 +57,20 @@ def claims() -> Iterator[Claim]:
         "a heap of spheres that resist rolling comes to rest",
         "kinetic energy over that of the fall, 0 at rest",
         0.0,
-        heap.kinetic_energy / float((radius**3 * position[:, 2]).sum() * ORE.density * 4.0 / 3.0 * np.pi * 9.81),
+        heap.kinetic_energy
+        / float((radius**3 * position[:, 2]).sum() * ORE.density * 4.0 / 3.0 * np.pi * 9.81),
         "-",
         1e-4,
         False,
         "a few single spheres may still roll on the floor",
     )
     surface = free_surface(
-        p.position[:, 0], p.position[:, 1], p.position[:, 2], p.radius, cell=SIZES.smallest + SIZES.largest, width=WIDTH
+        p.position[:, 0],
+        p.position[:, 1],
+        p.position[:, 2],
+        p.radius,
+        cell=SIZES.smallest + SIZES.largest,
+        width=WIDTH,
     )
     yield Claim(
         "slope of the heap",
