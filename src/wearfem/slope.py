@@ -110,7 +110,7 @@ def fit_line(profile: Profile, *, seed: int = 0) -> Line:
 
 
 def _degrees(slope: float | np.ndarray) -> np.ndarray:
-    return float(-np.degrees(np.arctan(slope)))
+    return -np.degrees(np.arctan(slope))
 
 
 def _median_slope(along: np.ndarray, height: np.ndarray) -> float:

@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 HELD = {"x": 1, "y": 2, "z": 4, "rotation": 8}  # bits of Particles.held
 
@@ -43,7 +44,7 @@ class Particles(NamedTuple):
 
 
 def spheres(
-    position: np.ndarray,
+    position: ArrayLike,
     radius: np.ndarray | float,
     density: np.ndarray | float,
     *,
@@ -55,8 +56,8 @@ def spheres(
     first_ident: int = 0,
 ) -> Particles:
     """Solid spheres at `position` (n, 3) [m] of `radius` [m] and `density` [kg/m3]; single values serve for all."""
-    position = np.array(position, float, ndmin=2)
-    count = len(position)
+    places = np.array(position, float, ndmin=2)
+    count = len(places)
 
     def vectors(given: np.ndarray | tuple[float, float, float]) -> np.ndarray:
         return np.array(np.broadcast_to(np.asarray(given, float), (count, 3)), order="C")
@@ -66,7 +67,7 @@ def spheres(
 
     radii = numbers(radius)
     return Particles(
-        position=position,
+        position=places,
         velocity=vectors(velocity),
         angular_velocity=vectors(angular_velocity),
         wrench=np.zeros((count, 6)),
