@@ -462,6 +462,21 @@ def test_spring_law_slides_like_rigid_bodies(chi):
         )  # integrator
 
 
+def test_mean_lever_of_a_flattened_sphere():
+    """Elastic and sliding, the mean overlap by force is D B(7/5, 1/2)/2, from x'^2 = 1 - x^(5/2): so is the lever's loss."""
+    mean = 0.5 * math.gamma(1.4) * math.gamma(0.5) / math.gamma(1.9)
+    for spin in (0.0, 3.0, 9.0):
+        after = oblique.spring_impact(CHI, 9.0, 0.8, depth=0.03, spin=spin)
+        assert after.sliding
+        assert after.lever == pytest.approx(1.0 - 0.03 * mean, abs=1e-8)  # integrator
+    straight = oblique.spring_impact(CHI, 2.0, 0.8)
+    assert straight.lever == pytest.approx(1.0, abs=1e-12)  # rounding
+    split = oblique.spring_impact(CHI, 2.0, 0.8, spin=0.7)
+    assert split.slip == pytest.approx(
+        straight.slip, abs=1e-8
+    )  # integrator: only depth tells spin from translation
+
+
 def test_spring_law_limits_of_sliding():
     """It slides to the end above 4 chi - 2/3; it sticks at first touch below 1 with rescaling and below 2/3
     without.

@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from wearfem.dem.contact import HertzMindlin, LinearSpringDashpot
 from wearfem.jit import set_thread_count, thread_count
@@ -214,6 +215,7 @@ def _sliding(impacts: Sequence[Impact], one: Rig, name: str) -> Iterator[Claim]:
     first, second = one.variant.first, one.variant.second
     sliding = [impact for impact in impacts if theory_of(one, impact).sliding]
     told, found = [theory_of(one, i) for i in sliding], [one.rebound(i) for i in sliding]
+    flattened = [spring_law(one, i) for i in sliding]
     angles = [angle_of(one, impact) for impact in sliding]
     speed = max(impact.approach_speed for impact in sliding)
     depth = theory.hertz_impact(one.pair, speed).maximum_overlap / first.radius
@@ -245,6 +247,19 @@ def _sliding(impacts: Sequence[Impact], one: Rig, name: str) -> Iterator[Claim]:
         math.inf,
         True,
         f"the tangent of the patch's rebound angle, relative to a value that goes through zero near here; {lever}",
+    )
+    ratio = [[after.slip_velocity / after.separation_speed for after in rows] for rows in (flattened, found)]
+    yield worst(
+        f"{name}: slip after over rebound speed, friction at R - d",
+        SAME_LAW,
+        angles,
+        "psi_1",
+        ratio[0],
+        ratio[1],
+        "-",
+        0.01,
+        True,
+        "what is left when theory puts friction where the surfaces touch",
     )
     yield compare(
         "surface speed of spin after over approach speed",
@@ -345,6 +360,8 @@ def partial_slip_claims() -> Iterator[Claim]:
 
 # -------------------------------------------------------------------------------------------------- meshes
 
+TILTED = Rotation.from_euler("xyz", (0.4, 0.7, 1.1)).as_matrix()  # a frame along which no coordinate is round
+
 
 def mesh_claims() -> Iterator[Claim]:
     """Tests 2 to 6: a mesh is a plane, wherever it is hit."""
@@ -366,7 +383,7 @@ def mesh_claims() -> Iterator[Claim]:
         (published.OBLIQUE_SPEEDS, published.OBLIQUE_SPEEDS.impacts[13]),
         (published.SPINNING_PLANE, published.SPINNING_PLANE.impacts[9]),
     ):
-        plane = rig(test, test.variants[1])
+        plane = replace(rig(test, test.variants[1]), frame=TILTED)
         for words, cut in cuts.items():
             differences = {
                 name: difference_from(plane, replace(plane, cut=cut), spot, impact)
