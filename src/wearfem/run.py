@@ -47,6 +47,7 @@ def run_case(
     if json_file:
         require_writable(json_file)
     case = load_case(case_folder, settings)
+    check_first_stage(case)
     folder = RunFolder.create(out) if out else RunFolder.create_free(case.name)
     folder.write_manifest(case, started)
     print(f"{case.name}: writing to {folder.path}", flush=True)
@@ -73,11 +74,16 @@ def run_case(
     return figures
 
 
+def check_first_stage(case: Case) -> None:
+    """Refuse, before anything is written, what is known to go wrong at the first step."""
+    from wearfem.dem.sample import check_start
+
+    check_start(case.flow, case.stages[0].model)
+
+
 def run_stages(case: Case, quiet: bool = False) -> Outcome:
     """Lead the flow of a case through its stages."""
-    from wearfem.dem.sample import (
-        sample,
-    )  # here, so that a mistake in the case is told before numba is loaded
+    from wearfem.dem.sample import sample  # here, so that a mistake in the case is told before numba is loaded
 
     flow, outcomes = case.flow, []
     for stage in case.stages:

@@ -42,7 +42,7 @@ def disc(tmp_path, monkeypatch):
         return flow, Loads(np.full(2, 0.5 * flow * window.duration)), ()
 
     module = ModuleType("wearfem.dem.sample")
-    module.sample = sample
+    module.sample, module.check_start = sample, lambda flow, model: None
     monkeypatch.setitem(sys.modules, "wearfem.dem", ModuleType("wearfem.dem"))
     monkeypatch.setitem(sys.modules, "wearfem.dem.sample", module)
     monkeypatch.chdir(tmp_path)
