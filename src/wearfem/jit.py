@@ -39,7 +39,9 @@ def _cache_directory() -> str:
 
 
 os.environ.setdefault("NUMBA_CACHE_DIR", _cache_directory())
-os.environ.setdefault("NUMBA_THREADING_LAYER_PRIORITY", "omp workqueue tbb")  # omp needs libgomp1; results are the same
+os.environ.setdefault(
+    "NUMBA_THREADING_LAYER_PRIORITY", "omp workqueue tbb"
+)  # omp needs libgomp1; results are the same
 
 import numba  # noqa: E402  (the cache directory must be named before numba is imported)
 from numba import prange as prange  # noqa: E402

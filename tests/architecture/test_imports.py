@@ -11,7 +11,8 @@ PACKAGE = Path(__file__).parents[2] / "src" / "wearfem"
 LAYERS = (
     {"cli"},
     {"report", "study", "verify", "bench", "check"},
-    {"verification"},
+    {"proofs"},
+    {"verification", "benchmarks", "proof"},
     {"run"},
     {"record", "cycle", "progress", "pictures"},
     {"case"},

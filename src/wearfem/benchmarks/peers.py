@@ -25,7 +25,9 @@ class Peer:
 
     def command(self) -> Path | None:
         """The program, looked for beside this Python first; None if it is not installed."""
-        found = shutil.which(self.program, path=f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}")
+        found = shutil.which(
+            self.program, path=f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+        )
         return Path(found) if found else None
 
     def speed(
@@ -57,7 +59,11 @@ class Peer:
         path = f"{program.parent}{os.pathsep}{os.environ['PATH']}"
         try:
             run = subprocess.run(
-                start, cwd=folder, env=os.environ | ENVIRONMENT | {"PATH": path}, capture_output=True, text=True
+                start,
+                cwd=folder,
+                env=os.environ | ENVIRONMENT | {"PATH": path},
+                capture_output=True,
+                text=True,
             )
         except OSError as error:
             return f"{self.name} does not start on {ranks} processes ({error.strerror}: {start[0]})"
