@@ -162,15 +162,16 @@ def _phases(flow: Flow, model: Model, steps: int) -> dict[str, float]:
     """What a particle-step spends on one thread [ns], by phase; `lists` includes all that is done in Python."""
     set_thread_count(1)
     stepper = Stepper(flow, model)
-    with _timed(stepper, "list_again") as pairs_listed, _timed(stepper, "list_walls_again") as walls_listed:
+    with _listing_timed(stepper) as listed:
         began = time.perf_counter()
         stepper.advance(steps)
         whole = time.perf_counter() - began
-    whole, listing = whole / steps, (sum(pairs_listed) + sum(walls_listed)) / steps
+    whole, listing = whole / steps, sum(seconds for _, seconds in listed) / steps
     p, constants = stepper.particles, stepper.constants
     bounds = chunk_bounds(p.count)
     chunks = [np.int64(chunk) for chunk in range(len(bounds) - 1)]
     buffers, kinds = np.zeros((len(chunks), ROWS * LANES)), np.full((len(chunks), LANES), -1.0)
+    lanes = np.zeros((len(chunks), 2 * LANES), np.uint32)
     buffers[:, : 21 * LANES] = 1.0
     work, pose, scratch = np.zeros((len(chunks), WORK)), stepper.pose(), new_scratch()
 
@@ -178,7 +179,7 @@ def _phases(flow: Flow, model: Model, steps: int) -> dict[str, float]:
         for chunk in chunks:
             pair_forces(
                 model.contact, model.table, stepper.packed, p.wrench, stepper.pairs, chunk, buffers[chunk], kinds[chunk],
-                constants.period, constants.time_step,
+                lanes[chunk], constants.period, constants.time_step,
             )  # fmt: skip
 
     def wall_phase() -> None:
@@ -204,25 +205,35 @@ def _phases(flow: Flow, model: Model, steps: int) -> dict[str, float]:
     }
     phases["other"] = max(whole - sum(phases.values()), 0.0)
     return {name: 1e9 * seconds / p.count for name, seconds in phases.items()} | {
-        "pair_lists_per_100_steps": 100.0 * len(pairs_listed) / steps,
-        "wall_lists_per_100_steps": 100.0 * (len(pairs_listed) + len(walls_listed)) / steps,
+        "pair_lists_per_100_steps": 100.0 * sum(name == "list_again" for name, _ in listed) / steps,
+        "wall_lists_per_100_steps": 100.0 * len(listed) / steps,  # walls are listed with pairs, too
     }
 
 
 @contextmanager
-def _timed(stepper: Stepper, name: str) -> Iterator[list[float]]:
-    """Collects the seconds that each call of a method of `stepper` takes."""
-    taken: list[float] = []
-    method = getattr(stepper, name)
+def _listing_timed(stepper: Stepper) -> Iterator[list[tuple[str, float]]]:
+    """Collects the name and seconds of each call that makes lists; calls within such a call are part of it."""
+    taken: list[tuple[str, float]] = []
+    inside = False
 
-    def timed(*arguments: Any) -> None:
-        began = time.perf_counter()
-        method(*arguments)
-        taken.append(time.perf_counter() - began)
+    def timed(method: Callable[..., None]) -> Callable[..., None]:
+        def call(*arguments: Any) -> None:
+            nonlocal inside
+            if inside:
+                return method(*arguments)
+            inside, began = True, time.perf_counter()
+            method(*arguments)
+            taken.append((method.__name__, time.perf_counter() - began))
+            inside = False
 
-    setattr(stepper, name, timed)
+        return call
+
+    names = ("list_again", "list_walls_again")
+    for name in names:
+        setattr(stepper, name, timed(getattr(stepper, name)))
     yield taken
-    delattr(stepper, name)
+    for name in names:
+        delattr(stepper, name)
 
 
 def _shortest(phase: Callable[[], None]) -> float:
@@ -241,8 +252,8 @@ def _memory(flow: Flow, model: Model) -> dict[str, float]:
     pairs, walls = flow.pairs, flow.walls
     assert pairs is not None and walls is not None and flow.packed is not None
     count, listed = flow.particles.count, int(pairs.row_count.sum())
-    own = (*flow.particles, flow.packed, flow.pair_reference, flow.wall_reference)
-    own += (pairs.row_start, pairs.row_count, walls.row_of)
+    own: list[np.ndarray | None] = [*flow.particles, flow.packed, flow.pair_reference, flow.wall_reference]
+    own += [pairs.row_start, pairs.row_count, walls.row_of]
     by_pair = (pairs.first, pairs.second, pairs.memory, pairs.slot, pairs.remote, pairs.inbox)
     by_row = (walls.particle, walls.candidate_start, walls.candidate, walls.body, walls.record)
     touching = max(len(touching_pairs(flow)), 1)

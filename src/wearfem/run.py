@@ -83,7 +83,9 @@ def check_first_stage(case: Case) -> None:
 
 def run_stages(case: Case, quiet: bool = False) -> Outcome:
     """Lead the flow of a case through its stages."""
-    from wearfem.dem.sample import sample  # here, so that a mistake in the case is told before numba is loaded
+    from wearfem.dem.sample import (
+        sample,  # here, so that a mistake in the case is told before numba is loaded
+    )
 
     flow, outcomes = case.flow, []
     for stage in case.stages:

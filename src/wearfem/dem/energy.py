@@ -7,7 +7,7 @@ import numpy as np
 from wearfem.dem.contact import Pair
 from wearfem.dem.flow import Flow, Model
 from wearfem.dem.motion import point_into_body
-from wearfem.dem.pairs import LANES, memory_rows
+from wearfem.dem.pairs import STIFFNESS
 from wearfem.dem.sample import Stepper
 from wearfem.dem.steps import DAMPING_LOSS, EXTERNAL_WORK, ROLLING_LOSS, SLIP_LOSS, STIFFNESS_LOSS, WALL_WORK
 from wearfem.dem.wall_list import MEMORY, POINT, SHARE
@@ -67,15 +67,9 @@ def touching_pairs(flow: Flow) -> np.ndarray:
     pairs = flow.pairs
     if pairs is None:
         return np.zeros((0, 3), np.int64)
-    place = np.concatenate(
-        [np.arange(start * LANES, end) for start, end in zip(pairs.block_start, pairs.pair_end, strict=True)]
-        or [np.zeros(0, int)]
-    ).astype(np.int64)
-    rows = len(pairs.memory) // max(len(pairs.first), 1)
-    stiffness = (
-        pairs.memory.reshape(-1, rows, LANES)[place // LANES, 3, place % LANES] if len(place) else np.zeros(0)
-    )
-    place = place[stiffness > 0.0]
+    chunks = zip(pairs.pair_start, pairs.pair_end, strict=True)
+    place = np.concatenate([np.arange(start, end) for start, end in chunks] or [np.zeros(0, np.int64)])
+    place = place[pairs.memory[place, STIFFNESS] > 0.0]
     return np.stack(
         [pairs.first[place].astype(np.int64), pairs.second[place].astype(np.int64), place], axis=1
     )
@@ -86,8 +80,7 @@ def elastic_energy(flow: Flow, model: Model) -> float:
     if flow.pairs is None or flow.walls is None or flow.packed is None:
         return 0.0
     law, dt, packed = model.contact, model.time_step, flow.packed
-    rows, rolling = memory_rows(law), law.rolling.memory_size()
-    memory = flow.pairs.memory.reshape(-1, rows, LANES)
+    rolling = law.rolling.memory_size()
     total = 0.0
     for i, j, place in touching_pairs(flow):
         a, b = packed[i], packed[j]
@@ -98,7 +91,7 @@ def elastic_energy(flow: Flow, model: Model) -> float:
         arm, partner_arm = a[9] - overlap * b[9] / (a[9] + b[9]), b[9] - overlap * a[9] / (a[9] + b[9])
         velocity = a[3:6] - b[3:6] - np.cross(arm * a[6:9] + partner_arm * b[6:9], normal)
         pair = _pair(model, 1 / (1 / a[9] + 1 / b[9]), 1 / (1 / a[10] + 1 / b[10]), int(a[11]), int(b[11]))
-        held = memory[place // LANES, :, place % LANES]
+        held = flow.pairs.memory[place]
         total += _held(law, pair, overlap, normal, velocity, a[6:9] - b[6:9], held, rolling, dt)
     stepper = Stepper(flow, model)
     pose = stepper.pose()

@@ -65,7 +65,7 @@ class Model:
     gravity: tuple[float, float, float] = (0.0, 0.0, -9.81)  # [m/s2]
     inlets: tuple[Inlet, ...] = ()
     tally: Any = NoTally()
-    pair_skin: float | None = None  # [m] margin of the list of pairs; None chooses
+    pair_skin: float | None = None  # [m] margin of the list of pairs; None adapts it to the flow
     wall_skin: float | None = None  # [m] margin of the list of walls; None chooses
 
     def __post_init__(self) -> None:
@@ -138,6 +138,8 @@ class Flow:
         default_factory=lambda: np.zeros(3)
     )  # [m/s] common velocity since pairs were listed
     travel: np.ndarray = field(default_factory=lambda: np.zeros(3))  # [m] apart from drift, in all, of bodies
+    pair_skin: float = 0.0  # [m] margin that the pairs were listed with; 0 before
+    listed_step: int = 0  # at which pairs were listed
     fed: tuple[float, ...] = ()  # [kg] by inlet
     left_mass: float = 0.0  # [kg] through outlets
     next_ident: int = 0

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from wearfem.dem.contact import Contact
-from wearfem.dem.pairs import LANES, PairList, memory_rows
+from wearfem.dem.pairs import PairList, memory_rows
 from wearfem.jit import compiled, inlined, kernel, parallel, prange
 from wearfem.vector import nearest
 
@@ -65,7 +65,7 @@ def plan_grid(position, radius, low, period, skin) -> Grid:
     cells, size = np.zeros((LEVELS, 3), np.int64), np.ones((LEVELS, 3))
     stride, offset = np.zeros((LEVELS, 3), np.int64), np.zeros(LEVELS, np.int64)
     total = 0
-    for k in np.unique(level):
+    for k in np.flatnonzero(np.bincount(level)):
         edge = 2.0 * radius[level == k].max() + skin
         while np.prod(np.floor(extent / edge) + 1.0) > 8.0 * count + 1000.0:
             edge *= 1.25
@@ -111,7 +111,10 @@ def sort_into_cells(position, radius, low, period, skin) -> tuple[Grid, np.ndarr
 
 @inlined
 def list_range(position, radius, i, begin, end, skin, period, found, most, second):
-    """Append to `second` the particles of [begin, end) that are within reach of particle i; returns the new count."""
+    """Append to `second` the particles of [begin, end) that are within reach of particle i; returns the new count.
+
+    Without branches, which would not be foreseen; where there is no room the last place takes what comes.
+    """
     x, y, z = position[i, 0], position[i, 1], position[i, 2]
     reach = radius[i] + skin
     lx, ly, lz = period[0], period[1], period[2]
@@ -124,10 +127,8 @@ def list_range(position, radius, i, begin, end, skin, period, found, most, secon
         dy -= ly * nearest(dy * iy)
         dz -= lz * nearest(dz * iz)
         limit = reach + radius[j]
-        if dx * dx + dy * dy + dz * dz < limit * limit:
-            if found < most:
-                second[found] = j
-            found += 1
+        second[min(found, most - 1)] = j
+        found += 1 if dx * dx + dy * dy + dz * dz < limit * limit else 0
     return found
 
 
@@ -218,25 +219,19 @@ def hand_on_memory(force, rolling, twisting, bounds, chunk, order, old, new):
                     if old.second[k] == was:
                         source = k
             if source >= 0:
-                there, here = (
-                    source // LANES * LANES * rows + source % LANES,
-                    q // LANES * LANES * rows + q % LANES,
-                )
                 for row in range(rows):
                     turns = row < 3 or (4 <= row < 4 + rolled)
-                    new.memory[here + row * LANES] = old.memory[there + row * LANES] * (
-                        sign if turns else 1.0
-                    )
+                    new.memory[q, row] = old.memory[source, row] * (sign if turns else 1.0)
 
 
 def empty_pairs(count, chunks, capacity, rows):
-    """A list without pairs, with room for `capacity` (a multiple of LANES) in each chunk."""
+    """A list without pairs, with room for `capacity` in each chunk."""
     size = chunks * capacity
     return PairList(
         np.zeros(size, np.uint32),
         np.zeros(size, np.uint32),
-        np.zeros(size * rows),
-        np.arange(chunks, dtype=np.int64) * (capacity // LANES),
+        np.zeros((size, rows)),
+        np.arange(chunks, dtype=np.int64) * capacity,
         np.arange(chunks, dtype=np.int64) * capacity,
         np.zeros(count, np.int64),
         np.zeros(count, np.int32),
@@ -257,7 +252,7 @@ def address_remote(pairs, bounds, crossing):
     first_slot, owner = 0, np.empty(total, np.int32)
     target = np.empty(total, np.int32)
     for chunk in range(chunks):
-        base = pairs.block_start[chunk] * LANES
+        base = pairs.pair_start[chunk]
         for q in range(base, pairs.pair_end[chunk]):
             if pairs.slot[q] >= 0:
                 pairs.slot[q] += first_slot
@@ -277,7 +272,7 @@ def address_remote(pairs, bounds, crossing):
         pairs.first,
         pairs.second,
         pairs.memory,
-        pairs.block_start,
+        pairs.pair_start,
         pairs.pair_end,
         pairs.row_start,
         pairs.row_count,
@@ -308,11 +303,11 @@ def list_pairs(contact, position, radius, grid, bounds, order, old, skin, period
     """The Verlet list of all chunks, with the memory of `old` handed on. Room is found by trying again with more."""
     chunks = len(bounds) - 1
     crossing, found = np.zeros(chunks, np.int64), np.zeros(chunks, np.int64)
-    capacity = max(LANES, len(old.first) // chunks // LANES * LANES)
+    capacity = max(64, len(old.first) // chunks)
     pairs = empty_pairs(len(radius), chunks, capacity, memory_rows(contact))
     list_chunks(position, radius, grid, bounds, capacity, skin, period, pairs, crossing, found)
     while found.max() > capacity:
-        capacity = (int(found.max() * 1.1) // LANES + 1) * LANES
+        capacity = int(found.max() * 1.1) + 1
         pairs = empty_pairs(len(radius), chunks, capacity, memory_rows(contact))
         list_chunks(position, radius, grid, bounds, capacity, skin, period, pairs, crossing, found)
     hand_on_memories(contact.force, contact.rolling, contact.twisting, bounds, order, old, pairs)

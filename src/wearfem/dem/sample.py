@@ -12,7 +12,7 @@ from wearfem.dem.flow import Flow, Model
 from wearfem.dem.geometry import geometry
 from wearfem.dem.motion import POSE, bodies, pose_at
 from wearfem.dem.neighbours import chunk_bounds, empty_pairs, list_pairs, sort_into_cells
-from wearfem.dem.pairs import LANES, PACKED, PairList, memory_rows
+from wearfem.dem.pairs import PACKED, PairList, memory_rows
 from wearfem.dem.particles import Particles, chosen, joined, spheres
 from wearfem.dem.steps import (
     DONE,
@@ -48,6 +48,11 @@ from wearfem.loads import FacetLoads
 
 STALE = 0.9  # part of a margin beyond which lists are made anew rather than kept a little longer
 
+# The margin of the pair list follows the flow by counting steps, never time, so that results stay the same to the bit: lists that
+# last less than OFTEN steps get a wider margin, more than SELDOM steps a narrower one, within bounds (parts of the mean radius).
+OFTEN, SELDOM = 25, 100
+NARROWEST, WIDEST, FACTOR = 0.2, 0.5, 1.25
+
 
 def continued(body: np.ndarray, old: tuple[str, ...], new: tuple[str, ...]) -> np.ndarray:
     """Wall numbers of contacts, when the walls change from `old` to `new` marks; -1 for contacts whose wall is gone.
@@ -77,7 +82,9 @@ class Stepper:
         particles = flow.particles
         radius = particles.radius
         few = particles.count < 10
-        self.pair_skin = model.pair_skin or float(0.25 * radius.mean() if len(radius) else 1e-3)
+        self.mean_radius = float(radius.mean() if len(radius) else 4e-3)
+        self.pair_skin = model.pair_skin or flow.pair_skin or 0.25 * self.mean_radius
+        self.listed_step = flow.listed_step
         self.wall_skin = model.wall_skin or float(
             (1.0 if few else 0.5) * radius.mean() if len(radius) else 1e-3
         )
@@ -111,7 +118,7 @@ class Stepper:
                 self.list_walls_again()
         else:
             chunks = len(chunk_bounds(particles.count)) - 1
-            self.pairs = empty_pairs(particles.count, chunks, LANES, self.rows)
+            self.pairs = empty_pairs(particles.count, chunks, 0, self.rows)
             self.walls = empty_walls(particles.count)
             if particles.count:
                 self.list_again()
@@ -135,6 +142,8 @@ class Stepper:
             wall_reference=self.wall_reference,
             travel=self.travel,
             drift=self.drift,
+            pair_skin=self.pair_skin,
+            listed_step=self.listed_step,
         )
 
     @property
@@ -159,6 +168,15 @@ class Stepper:
         for body in range(len(self.model.walls)):
             pose_at(self.bodies, body, self.clock[0] * self.model.time_step, pose[body])
         return pose
+
+    def adapt_margin(self) -> None:
+        """Widen or narrow the margin of the pair list after the number of steps that the last list was good for."""
+        lasted = int(self.clock[0]) - self.listed_step
+        if self.model.pair_skin or OFTEN <= lasted <= SELDOM:
+            return
+        wanted = self.pair_skin * (FACTOR if lasted < OFTEN else 1.0 / FACTOR)
+        self.pair_skin = min(max(wanted, NARROWEST * self.mean_radius), WIDEST * self.mean_radius)
+        self.constants = self.constants._replace(pair_skin=self.pair_skin)
 
     def list_again(self, was: np.ndarray | None = None) -> None:
         """List pairs and walls anew; `was` says where the particles, as they stand now, were in the arrays of the old lists."""
@@ -186,6 +204,7 @@ class Stepper:
             self.constants.period,
         )
         self.pair_reference = p.position.copy()
+        self.listed_step = int(self.clock[0])
         middle_velocity(p.velocity, self.drift)
         self.travel[0] = 0.0
         self.list_walls_again(was)
@@ -223,6 +242,7 @@ class Stepper:
             self.travel[0] = largest_shift(p.position, self.pair_reference, True)
             self.travel[1] = largest_shift(p.position, self.wall_reference, False)
             if self.travel[0] > STALE * 0.5 * self.pair_skin:
+                self.adapt_margin()
                 self.list_again()
             elif self.travel[1] + self.travel[2] > STALE * self.wall_skin:
                 self.list_walls_again()

@@ -8,7 +8,7 @@ import numpy as np
 from wearfem.dem.contact import Contact
 from wearfem.dem.motion import POSE, TURNING, VELOCITY, move, pose_at
 from wearfem.dem.neighbours import chunk_bounds
-from wearfem.dem.pairs import DISSIPATED, LANES, ROWS, collect_remote, pair_forces
+from wearfem.dem.pairs import DISSIPATED, LANES, MEMORY, ROWS, collect_remote, pair_forces
 from wearfem.dem.particles import Particles
 from wearfem.dem.tally import add_entries
 from wearfem.dem.walls import new_scratch, wall_forces
@@ -164,14 +164,14 @@ def _finish_and_begin_all(particles, packed, pairs, drift, constants, work, boun
 
 @compiled
 def _forces(
-    force, rolling, twisting, custom, table, geometry, pose, packed, wrench, pairs, walls, tally, buffers, kinds, work,
-    constants, chunk,
+    force, rolling, twisting, custom, table, geometry, pose, packed, wrench, pairs, walls, tally, buffers, kinds, lanes,
+    work, constants, chunk,
 ):  # fmt: skip
     contact = Contact(force, rolling, twisting)
     dt = constants.time_step
     pair_forces(
-        contact, table, packed, wrench, pairs, chunk, buffers[chunk], kinds[chunk], constants.period, dt
-    )
+        contact, table, packed, wrench, pairs, chunk, buffers[chunk], kinds[chunk], lanes[chunk], constants.period, dt
+    )  # fmt: skip
     wall_forces(
         contact, custom, table, geometry, pose, packed, wrench, walls, tally, chunk, new_scratch(), work, dt
     )  # fmt: skip
@@ -179,13 +179,13 @@ def _forces(
 
 @parallel
 def _forces_all(
-    force, rolling, twisting, custom, table, geometry, pose, packed, wrench, pairs, walls, tally, buffers, kinds, work,
-    constants, chunks,
+    force, rolling, twisting, custom, table, geometry, pose, packed, wrench, pairs, walls, tally, buffers, kinds, lanes,
+    work, constants, chunks,
 ):  # fmt: skip
     for chunk in prange(chunks):
         _forces(
-            force, rolling, twisting, custom, table, geometry, pose, packed, wrench, pairs, walls, tally, buffers, kinds, work,
-            constants, np.int64(chunk),
+            force, rolling, twisting, custom, table, geometry, pose, packed, wrench, pairs, walls, tally, buffers, kinds, lanes,
+            work, constants, np.int64(chunk),
         )  # fmt: skip
 
 
@@ -205,7 +205,8 @@ def step_on(
     dt = constants.time_step
     pose = np.zeros((max(body_count, 1), POSE))
     buffers, kinds = np.ones((chunks, ROWS * LANES)), np.full((chunks, LANES), -1.0)
-    buffers[:, DISSIPATED * LANES :] = 0.0
+    buffers[:, DISSIPATED * LANES : MEMORY * LANES] = 0.0
+    lanes = np.zeros((chunks, 2 * LANES), np.uint32)
     work = np.zeros((chunks, WORK))
     force, rolling, twisting = contact.force, contact.rolling, contact.twisting
     only = np.int64(0)
@@ -246,12 +247,12 @@ def step_on(
         if chunks == 1:
             _forces(
                 force, rolling, twisting, custom, table, geometry, pose, packed, particles.wrench, pairs, walls, tally, buffers,
-                kinds, work, constants, only,
+                kinds, lanes, work, constants, only,
             )  # fmt: skip
         else:
             _forces_all(
                 force, rolling, twisting, custom, table, geometry, pose, packed, particles.wrench, pairs, walls, tally, buffers,
-                kinds, work, constants, chunks,
+                kinds, lanes, work, constants, chunks,
             )  # fmt: skip
         clock[1] = 1
         if (tally.filled < 0).any():
