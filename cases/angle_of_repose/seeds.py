@@ -57,19 +57,29 @@ def main() -> None:
                     "angle": number + 1,
                     "values": [figure.value for figure in figures],
                     "published": [figures[0].expected, figures[0].tolerance],
-                    "their_simulation": [float(word) for word in figures[0].source.split("simulation ")[1].split(" +- ")],
+                    "their_simulation": [
+                        float(word) for word in figures[0].source.split("simulation ")[1].split(" +- ")
+                    ],
                 }
             )
-    print("angle [degree]       experiment    their simulation  ours (95 % over seeds)  against experiment, simulation")
+    print(
+        "angle [degree]       experiment    their simulation  ours (95 % over seeds)  against experiment, simulation"
+    )
     for row in rows:
-        ours, measured, simulated = interval(row["values"]), tuple(row["published"]), tuple(row["their_simulation"])
+        ours, measured, simulated = (
+            interval(row["values"]),
+            tuple(row["published"]),
+            tuple(row["their_simulation"]),
+        )
         print(
             f"experiment {row['experiment']}, phi {row['angle']}  {measured[0]:5.1f} +- {measured[1]:.1f}  {simulated[0]:5.1f} +- "
             f"{simulated[1]:.1f}      {ours[0]:5.1f} +- {ours[1]:.1f}           {verdict(ours, measured)}, {verdict(ours, simulated)}"
         )
     print(FREE)
     if given.json:
-        given.json.write_text(json.dumps({"settings": settings, "seeds": given.seeds, "rows": rows}, indent=2))
+        given.json.write_text(
+            json.dumps({"settings": settings, "seeds": given.seeds, "rows": rows}, indent=2)
+        )
 
 
 if __name__ == "__main__":
