@@ -47,8 +47,12 @@ def draw_moments(file: Path, moments: Sequence[Moment]) -> None:
             linewidths=0.15,
         )
         panel.add_collection(circles)
-        panel.add_collection(LineCollection(list(1000.0 * np.array(moment.walls)), colors="dimgray", linewidths=2))
-        panel.add_collection(LineCollection(list(1000.0 * np.array(moment.lines)), colors="red", linewidths=2.5))
+        panel.add_collection(
+            LineCollection(list(1000.0 * np.array(moment.walls)), colors="dimgray", linewidths=2)
+        )
+        panel.add_collection(
+            LineCollection(list(1000.0 * np.array(moment.lines)), colors="red", linewidths=2.5)
+        )
         panel.set(title=moment.title, xlabel="x [mm]", aspect="equal")
         panel.autoscale_view()
     np.atleast_1d(panels)[0].set_ylabel("z [mm]")

@@ -43,7 +43,9 @@ def test_a_line_is_exact_and_single_columns_do_not_matter():
 
 def test_the_profile_is_the_median_top_of_the_strips():
     along, across = np.array([0.5, 0.5, 0.5, 0.5, 1.5]), np.array([0.5, 0.6, 1.5, 2.5, 0.5])
-    profile = free_surface(along, across, np.array([1.0, 2.0, 3.0, 9.0, 5.0]), np.full(5, 0.25), cell=1.0, width=3.0)
+    profile = free_surface(
+        along, across, np.array([1.0, 2.0, 3.0, 9.0, 5.0]), np.full(5, 0.25), cell=1.0, width=3.0
+    )
     assert profile.along.tolist() == [0.5]  # the second column has particles in one strip of three only
     assert profile.height.tolist() == [3.25]
 
