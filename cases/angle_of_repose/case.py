@@ -8,6 +8,7 @@ below, the width, the times between the stages, how the angles were read, and th
 """
 
 import math
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -20,6 +21,7 @@ from wearfem.dem.feed import Inlet, uniform_sizes
 from wearfem.dem.flow import Domain, Flow, Model, Wall
 from wearfem.dem.motion import rotation
 from wearfem.dem.particles import spheres
+from wearfem.errors import UserError
 from wearfem.material import Interaction, Material
 from wearfem.slope import Line, Profile, fit_line, free_surface
 from wearfem.surface import Plane, Surface
@@ -259,7 +261,8 @@ def measure_angles(setup: Setup, outcome: Outcome) -> Angles:
         if share < 0.5 and math.isnan(half_empty):
             half_empty = math.degrees(setup.tilt(flow.time))
         if FLOWING[1] <= share <= FLOWING[0]:
-            flowing.append(Tilted(flow, setup.tilt(flow.time), share, fit_line(surface)))
+            with suppress(UserError):  # of large particles too few columns may be left for a line
+                flowing.append(Tilted(flow, setup.tilt(flow.time), share, fit_line(surface)))
     p = outcome.flow.particles
     surface = free_surface(
         p.position[:, 0],
