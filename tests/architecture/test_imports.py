@@ -12,14 +12,14 @@ LAYERS = (
     {"cli"},
     {"report", "study", "verify", "bench", "check"},
     {"proofs"},
-    {"verification", "benchmarks", "proof"},
+    {"verification", "benchmarks"},
     {"run"},
     {"record", "cycle", "progress", "pictures"},
     {"case"},
     {"settings"},
     {"dem", "liner", "wear", "survey"},
     {"surface", "loads", "material"},
-    {"vector", "units", "jit", "errors"},
+    {"vector", "units", "jit", "errors", "proof"},
 )
 SIBLINGS = {"dem", "liner", "wear", "survey"}  # never import one another ...
 SIBLING_ARROWS = {("survey", "wear")}  # ... except here
