@@ -22,7 +22,7 @@ RADIUS, PARTNER_RADIUS, MASS, PARTNER_MASS, CONSTANTS = 12, 13, 14, 15, 16
 FORCE, TORQUE, PARTNER_TORQUE = 21, 24, 27  # three rows each
 DISSIPATED = 30  # [W] slip, change of stiffness, dashpots, rolling: summed over the steps
 ROWS = 34
-FAR = 1e9  # [m] between the two particles of a lane that is not in use
+FAR, SPECK = 1e9, 1e-9  # [m] distance and radii of the two particles of a lane that is not in use
 
 # Columns of the packed copy of a particle that contacts read.
 PACKED = 12  # position, velocity, angular velocity, radius, mass, material
@@ -148,8 +148,8 @@ def pair_block(contact, buffer, memory, period, time_step):
 
 
 @inlined
-def gather(table, packed, first, second, buffer, kind):
-    """Copy what one block's contacts read into its lanes; lanes beyond the last pair are put infinitely far apart."""
+def gather(table, packed, first, second, buffer, kind, period):
+    """Copy what one block's contacts read into its lanes; lanes beyond the last pair hold two specks far apart."""
     materials = len(table.friction)
     for q in range(len(first)):
         i, j = first[q], second[q]
@@ -179,7 +179,8 @@ def gather(table, packed, first, second, buffer, kind):
             buffer[(CONSTANTS + 3) * LANES + q] = table.friction[one, other]
             buffer[(CONSTANTS + 4) * LANES + q] = table.rolling_friction[one, other]
     for q in range(len(first), LANES):
-        buffer[q] = FAR
+        buffer[q] = 0.5 * period[0] if period[0] > 0.0 else FAR
+        buffer[RADIUS * LANES + q], buffer[PARTNER_RADIUS * LANES + q] = SPECK, SPECK
         buffer[LANES + q] = 0.0
         buffer[2 * LANES + q] = 0.0
 
@@ -228,7 +229,7 @@ def pair_forces(contact, table, packed, wrench, pairs, chunk, buffer, kind, peri
     for block in range(pairs.block_start[chunk], (end + LANES - 1) // LANES):
         low, high = block * LANES, min((block + 1) * LANES, end)
         first, second, slot = pairs.first[low:high], pairs.second[low:high], pairs.slot[low:high]
-        gather(table, packed, first, second, buffer, kind)
+        gather(table, packed, first, second, buffer, kind, period)
         pair_block(contact, buffer, pairs.memory[block * width : (block + 1) * width], period, time_step)
         scatter(wrench, pairs.remote, first, second, slot, buffer)
 
