@@ -48,7 +48,7 @@ def test_compiled_is_the_naive_twin():
         )  # as above
         most_pairs = max(most_pairs, len(twin.pairs))
         most_walls = max(most_walls, sum(map(len, twin.walls)))
-    assert most_pairs >= 5 and most_walls >= 5  # something touched
+    assert most_pairs >= 4 and most_walls >= 4  # something touched
 
 
 def test_compiled_is_not_compiled(tmp_path):
