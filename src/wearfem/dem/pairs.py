@@ -26,7 +26,7 @@ FORCE, TORQUE, PARTNER_TORQUE = 21, 24, 27  # three rows each
 DISSIPATED = 30  # [W] slip, change of stiffness, dashpots, rolling: summed over the steps
 MEMORY = 34  # MEMORY_ROWS rows: what the contacts remember
 ROWS = 42
-FAR = 1e9  # [m] between the two particles of a lane that is not in use
+FAR, SPECK = 1e9, 1e-9  # [m] distance and radii of the two particles of a lane that is not in use
 
 # Columns of the packed copy of a particle that contacts read.
 PACKED = 12  # position, velocity, angular velocity, radius, mass, material
@@ -184,8 +184,8 @@ def sift(packed, pairs, begin, end, period, lane, count):
 
 
 @inlined
-def gather(table, packed, pairs, rows, lane, count, buffer, kind):
-    """Copy what one block's contacts read and remember into its lanes; lanes beyond `count` are put infinitely far apart."""
+def gather(table, packed, pairs, rows, lane, count, buffer, kind, period):
+    """Copy what one block's contacts read and remember into its lanes; lanes beyond `count` hold two specks far apart."""
     materials = len(table.friction)
     for k in range(count):
         q = lane[k]
@@ -218,9 +218,9 @@ def gather(table, packed, pairs, rows, lane, count, buffer, kind):
             buffer[(CONSTANTS + 3) * LANES + k] = table.friction[one, other]
             buffer[(CONSTANTS + 4) * LANES + k] = table.rolling_friction[one, other]
     for k in range(count, LANES):
-        buffer[k] = FAR
-        buffer[LANES + k] = 0.0
-        buffer[2 * LANES + k] = 0.0
+        buffer[k] = 0.5 * period[0] if period[0] > 0.0 else FAR
+        buffer[LANES + k], buffer[2 * LANES + k] = 0.0, 0.0
+        buffer[RADIUS * LANES + k], buffer[PARTNER_RADIUS * LANES + k] = SPECK, SPECK
 
 
 @inlined
@@ -275,7 +275,7 @@ def pair_forces(contact, table, packed, wrench, pairs, chunk, buffer, kind, lane
         begin = upto
         if count >= LANES or begin == end:
             full = min(count, np.uint32(LANES))
-            gather(table, packed, pairs, rows, lane, full, buffer, kind)
+            gather(table, packed, pairs, rows, lane, full, buffer, kind, period)
             pair_block(contact, buffer, period, time_step)
             scatter(wrench, pairs, rows, lane, full, buffer)
             for k in range(full, count):
