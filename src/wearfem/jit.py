@@ -6,8 +6,9 @@ Every compiled function of wearfem is decorated here and nowhere else, so that o
   vectorisation (measured: 37.8 ns against 16.8 ns a contact).
 * no ``fastmath``: it gave nothing and costs reproducibility.
 * threading layer ``omp``: 1.7 us a parallel region (``workqueue`` 122 us, ``tbb`` 519 us).
-* ``GOMP_SPINCOUNT``: a thread that waits for the others gives way after a while. libgomp's own value lets it burn the core that
-  another program has work for (measured with 4 busy programs on 2 cores: 0.4-1.7 against 3.1-3.8 million particle-steps/s).
+* ``GOMP_SPINCOUNT``: a thread that waits for the others gives way after a while, where libgomp's own value lets it burn a core
+  that another program has work for. Its gain on a busy machine varied from run to run (0.3-3.4 without, 1.1-3.8 million
+  particle-steps/s with it, load 5 on 2 cores); on an idle machine it was not measured.
 * ``cache=True`` does not notice an edited law in another file, so the cache directory carries a hash of the sources.
 """
 

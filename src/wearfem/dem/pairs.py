@@ -4,8 +4,8 @@ Storeys: `respond` (scalars, contact.py), `pair_block` (one block of lanes), `pa
 fixed range of particles chosen by their number alone, so results do not depend on the number of threads. Forces on a
 partner in another chunk wait in `remote` until its own chunk collects them, in an order that is fixed too.
 
-Pairs are first sifted: those that touch are collected until a block is full, then gathered, computed and scattered. A listed pair
-that does not touch costs 4 ns, one that does 20 ns, so that lists may be made with a generous margin.
+Pairs are first sifted: those that touch are collected until a block is full, then gathered, computed and scattered. So a listed
+pair that does not touch costs less than one that does, and lists may be made with a generous margin.
 """
 
 import math
