@@ -162,30 +162,48 @@ def _finish_and_begin_all(particles, packed, pairs, drift, constants, work, boun
         )
 
 
-@compiled
+class Workspace(NamedTuple):
+    """Working memory of all chunks."""
+
+    buffers: np.ndarray  # (chunks, ROWS * LANES)
+    kinds: np.ndarray  # (chunks, LANES)
+    lanes: np.ndarray  # (chunks, 2 * LANES) uint32
+    work: np.ndarray  # (chunks, WORK)
+
+
+@kernel
 def _forces(
-    force, rolling, twisting, custom, table, geometry, pose, packed, wrench, pairs, walls, tally, buffers, kinds, lanes,
-    work, constants, chunk,
+    force, rolling, twisting, custom, table, geometry, pose, packed, wrench, pairs, walls, tally, space, scratch, constants, chunk
 ):  # fmt: skip
     contact = Contact(force, rolling, twisting)
     dt = constants.time_step
     pair_forces(
-        contact, table, packed, wrench, pairs, chunk, buffers[chunk], kinds[chunk], lanes[chunk], constants.period, dt
+        contact, table, packed, wrench, pairs, chunk, space.buffers[chunk], space.kinds[chunk], space.lanes[chunk],
+        constants.period, dt,
     )  # fmt: skip
     wall_forces(
-        contact, custom, table, geometry, pose, packed, wrench, walls, tally, chunk, new_scratch(), work, dt
+        contact, custom, table, geometry, pose, packed, wrench, walls, tally, chunk, scratch, space.work, dt
+    )  # fmt: skip
+
+
+@compiled
+def _forces_of_chunk(
+    force, rolling, twisting, custom, table, geometry, pose, packed, wrench, pairs, walls, tally, space, constants, chunk
+):  # fmt: skip
+    _forces(
+        force, rolling, twisting, custom, table, geometry, pose, packed, wrench, pairs, walls, tally, space, new_scratch(),
+        constants, chunk,
     )  # fmt: skip
 
 
 @parallel
 def _forces_all(
-    force, rolling, twisting, custom, table, geometry, pose, packed, wrench, pairs, walls, tally, buffers, kinds, lanes,
-    work, constants, chunks,
+    force, rolling, twisting, custom, table, geometry, pose, packed, wrench, pairs, walls, tally, space, constants, chunks
 ):  # fmt: skip
     for chunk in prange(chunks):
-        _forces(
-            force, rolling, twisting, custom, table, geometry, pose, packed, wrench, pairs, walls, tally, buffers, kinds, lanes,
-            work, constants, np.int64(chunk),
+        _forces_of_chunk(
+            force, rolling, twisting, custom, table, geometry, pose, packed, wrench, pairs, walls, tally, space, constants,
+            np.int64(chunk),
         )  # fmt: skip
 
 
@@ -208,6 +226,7 @@ def step_on(
     buffers[:, DISSIPATED * LANES : MEMORY * LANES] = 0.0
     lanes = np.zeros((chunks, 2 * LANES), np.uint32)
     work = np.zeros((chunks, WORK))
+    space, scratch = Workspace(buffers, kinds, lanes, work), new_scratch()
     force, rolling, twisting = contact.force, contact.rolling, contact.twisting
     only = np.int64(0)
     status, begun = DONE, 0
@@ -230,7 +249,9 @@ def step_on(
             for body in range(body_count):
                 if geometry.moves[body]:
                     pose_at(bodies, body, clock[0] * dt, pose[body])
-            fastest, fastest_apart = work[:, 1].max(), work[:, 2].max()
+            fastest, fastest_apart = 0.0, 0.0
+            for chunk in range(chunks):
+                fastest, fastest_apart = max(fastest, work[chunk, 1]), max(fastest_apart, work[chunk, 2])
             if not fastest < np.inf:
                 status = NOT_A_NUMBER
                 break
@@ -246,17 +267,19 @@ def step_on(
         listing = False
         if chunks == 1:
             _forces(
-                force, rolling, twisting, custom, table, geometry, pose, packed, particles.wrench, pairs, walls, tally, buffers,
-                kinds, lanes, work, constants, only,
+                force, rolling, twisting, custom, table, geometry, pose, packed, particles.wrench, pairs, walls, tally, space,
+                scratch, constants, only,
             )  # fmt: skip
         else:
             _forces_all(
-                force, rolling, twisting, custom, table, geometry, pose, packed, particles.wrench, pairs, walls, tally, buffers,
-                kinds, lanes, work, constants, chunks,
+                force, rolling, twisting, custom, table, geometry, pose, packed, particles.wrench, pairs, walls, tally, space,
+                constants, chunks,
             )  # fmt: skip
         clock[1] = 1
-        if (tally.filled < 0).any():
-            status = TOO_MANY_ENTRIES
+        for chunk in range(chunks):
+            if tally.filled[chunk] < 0:
+                status = TOO_MANY_ENTRIES
+        if status == TOO_MANY_ENTRIES:
             break
         add_entries(tally)
     for chunk in range(chunks):

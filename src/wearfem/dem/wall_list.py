@@ -5,9 +5,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wearfem.dem.geometry import height_above
+from wearfem.dem.geometry import height_above, nearest_on_triangle
 from wearfem.dem.motion import point_into_body
 from wearfem.jit import kernel, parallel, prange
+from wearfem.vector import norm
 
 MOST_TOUCHING = 6  # wall contacts of one particle with a history
 
@@ -32,7 +33,7 @@ class WallList(NamedTuple):
 def near_walls(geometry, pose, position, radius, skin, low, high, counts, candidates):
     """Candidates of particles [low, high): `counts` (n,) each; listed in `candidates` if there is room. Returns their number.
 
-    A triangle is a candidate if its plane and its bounding box are within reach.
+    A triangle or plane is a candidate if it is within reach.
     """
     found = 0
     bodies = len(geometry.extent)
@@ -79,16 +80,8 @@ def _near_triangles(geometry, body, x, y, z, reach, found, before, candidates):
                     t = geometry.cell_triangle[k]
                     if abs(height_above(geometry, t, x, y, z)) >= reach:
                         continue
-                    outside = False
-                    for axis in range(3):
-                        p, q, r = (
-                            geometry.corner[t, axis],
-                            geometry.corner[t, 3 + axis],
-                            geometry.corner[t, 6 + axis],
-                        )
-                        here = x if axis == 0 else (y if axis == 1 else z)
-                        outside = outside or here < min(p, q, r) - reach or here > max(p, q, r) + reach
-                    if outside:
+                    px, py, pz, _ = nearest_on_triangle(geometry, t, x, y, z)
+                    if norm(x - px, y - py, z - pz) >= reach:
                         continue
                     known = False
                     for m in range(mine, min(found, len(candidates))):
