@@ -14,6 +14,7 @@ corner with separate patches both act in full; in between, and from one to the o
 is needed: joints between different surfaces, T-joints and duplicates are seamless too.
 """
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -23,7 +24,7 @@ from wearfem.dem.motion import Motion, alike
 from wearfem.jit import inlined, kernel
 from wearfem.material import Material
 from wearfem.surface import Plane, Surface
-from wearfem.vector import dot, norm
+from wearfem.vector import cross, dot, norm
 
 SWEEPS = 4096  # of projected Gauss-Seidel at most, for three contacts and more; two are solved in closed form
 LEVEL = 1e-9  # part of a radius by which a point must rise above a plane to be above it, not on it
@@ -220,6 +221,38 @@ def touching_point(geometry, item, x, y, z, radius):
             if distance > 0.0:
                 nx, ny, nz = (x - px) / distance, (y - py) / distance, (z - pz) / distance
     return overlap, px, py, pz, nx, ny, nz
+
+
+@inlined
+def well_inside(geometry, item, x, y, z, margin):
+    """Whether a point on a triangle lies farther than `margin` [m] from all its edges."""
+    nx, ny, nz = geometry.normal[item, 0], geometry.normal[item, 1], geometry.normal[item, 2]
+    inside = True
+    for k in range(3):
+        a, b = 3 * k, (3 * k + 3) % 9
+        ux = geometry.corner[item, b] - geometry.corner[item, a]
+        uy = geometry.corner[item, b + 1] - geometry.corner[item, a + 1]
+        uz = geometry.corner[item, b + 2] - geometry.corner[item, a + 2]
+        px, py, pz = (
+            x - geometry.corner[item, a],
+            y - geometry.corner[item, a + 1],
+            z - geometry.corner[item, a + 2],
+        )
+        cx, cy, cz = cross(ux, uy, uz, px, py, pz)
+        inside = inside and dot(cx, cy, cz, nx, ny, nz) > margin * norm(ux, uy, uz)
+    return inside
+
+
+@inlined
+def lies_below(geometry, item, px, py, pz, nx, ny, nz, level):
+    """Whether a triangle rises nowhere by more than `level` [m] above the plane through (px, py, pz) with normal n."""
+    highest = -math.inf
+    for k in range(3):
+        dx = geometry.corner[item, 3 * k] - px
+        dy = geometry.corner[item, 3 * k + 1] - py
+        dz = geometry.corner[item, 3 * k + 2] - pz
+        highest = max(highest, dot(dx, dy, dz, nx, ny, nz))
+    return highest <= level
 
 
 @inlined

@@ -42,7 +42,7 @@ from wearfem.dem.tally import (
     speed_edges,
     with_room,
 )
-from wearfem.dem.wall_list import WallList, empty_walls, list_walls
+from wearfem.dem.wall_list import ITEM, WallList, empty_walls, list_walls
 from wearfem.errors import UserError
 from wearfem.loads import FacetLoads
 
@@ -115,6 +115,7 @@ class Stepper:
             self.walls = WallList(*(array.copy() for array in flow.walls))
             if flow.marks != model.marks:
                 self.walls = self.walls._replace(body=continued(self.walls.body, flow.marks, model.marks))
+                self.walls.record[..., ITEM] = -1.0  # triangles may be numbered anew
                 self.list_walls_again()
         else:
             chunks = len(chunk_bounds(particles.count)) - 1

@@ -12,9 +12,10 @@ from wearfem.vector import norm
 
 MOST_TOUCHING = 6  # wall contacts of one particle with a history
 
-# Columns of a wall contact's record: contact point and normal in the body's frame, contact.Memory, share of the overlap.
-POINT, DIRECTION, MEMORY, SHARE = 0, 3, 6, 14
-RECORD = 15
+# Columns of a wall contact's record: contact point and normal in the body's frame, contact.Memory, share of the overlap, and the
+# number of its triangle or plane.
+POINT, DIRECTION, MEMORY, SHARE, ITEM = 0, 3, 6, 14, 15
+RECORD = 16
 
 
 class WallList(NamedTuple):

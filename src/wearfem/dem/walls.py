@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from wearfem.dem.contact import Kinematics, Memory, Pair, respond
-from wearfem.dem.geometry import share_overlap, touching_point
+from wearfem.dem.geometry import LEVEL, RIM, lies_below, share_overlap, touching_point, well_inside
 from wearfem.dem.motion import ORIGIN, PIVOT, TURNING, VELOCITY, into_body, into_world, point_into_body
 from wearfem.dem.tally import (
     ANGLE_CLASSES,
@@ -29,7 +29,7 @@ from wearfem.dem.tally import (
     TIME,
     half_decade,
 )
-from wearfem.dem.wall_list import DIRECTION, MEMORY, MOST_TOUCHING, POINT, RECORD, SHARE
+from wearfem.dem.wall_list import DIRECTION, ITEM, MEMORY, MOST_TOUCHING, POINT, RECORD, SHARE
 from wearfem.jit import compiled, inlined, kernel
 from wearfem.vector import cross, dot, norm, tangent
 
@@ -43,16 +43,28 @@ OVERLAP, AT, ALONG = 0, 7, 10
 def touching_candidates(geometry, pose, walls, row, x, y, z, radius, found, item):
     """Fill `found` with the candidates that the sphere overlaps, and `item` with their numbers; returns how many.
 
+    The triangle of the last contact comes first. Once the sphere's foot lies well inside a triangle, those of the same body that
+    rise nowhere above its plane are passed over: they would be dropped as parts of the same flat or convex neighbourhood.
     Where triangles are so small that there is no room for all, the deepest are kept.
     """
-    count = 0
+    triangles = len(geometry.corner)
+    begin, end = walls.candidate_start[row], walls.candidate_start[row + 1]
+    hint = int(walls.record[row, 0, ITEM]) if walls.body[row, 0] >= 0 else -1
+    count, flat = 0, -1
     body, bx, by, bz = -1, x, y, z
-    for k in range(walls.candidate_start[row], walls.candidate_start[row + 1]):
-        one = walls.candidate[k]
+    for k in range(begin - 1, end):
+        one = hint if k < begin else walls.candidate[k]
+        if one < 0 or (one == hint and k >= begin):
+            continue
         owner = geometry.body[one]
         if owner != body:
             body = owner
             bx, by, bz = point_into_body(pose, body, x, y, z)
+        if flat >= 0 and one < triangles and geometry.body[item[flat]] == body:
+            px, py, pz = found[flat, AT], found[flat, AT + 1], found[flat, AT + 2]
+            nx, ny, nz = found[flat, ALONG], found[flat, ALONG + 1], found[flat, ALONG + 2]
+            if lies_below(geometry, one, px, py, pz, nx, ny, nz, 0.5 * LEVEL * radius):
+                continue
         overlap, px, py, pz, nx, ny, nz = touching_point(geometry, one, bx, by, bz, radius)
         if overlap > 0.0:
             place = count
@@ -61,7 +73,7 @@ def touching_candidates(geometry, pose, walls, row, x, y, z, radius, found, item
                 for a in range(1, count):
                     if found[a, OVERLAP] < found[place, OVERLAP]:
                         place = a
-                if overlap <= found[place, OVERLAP]:
+                if overlap <= found[place, OVERLAP] or place == flat:
                     continue
             else:
                 count += 1
@@ -69,6 +81,8 @@ def touching_candidates(geometry, pose, walls, row, x, y, z, radius, found, item
             found[place, OVERLAP] = overlap
             found[place, AT], found[place, AT + 1], found[place, AT + 2] = px, py, pz
             found[place, ALONG], found[place, ALONG + 1], found[place, ALONG + 2] = nx, ny, nz
+            if flat < 0 and one < triangles and well_inside(geometry, one, px, py, pz, 2.0 * RIM * radius):
+                flat = place
     return count
 
 
@@ -297,7 +311,7 @@ def wall_forces_on(
             kept.ry,
             kept.rz,
         )
-        record[acting, MEMORY + 7], record[acting, SHARE] = kept.twist, part
+        record[acting, MEMORY + 7], record[acting, SHARE], record[acting, ITEM] = kept.twist, part, item[a]
         acting += 1
 
         arm = radius - touch.overlap
