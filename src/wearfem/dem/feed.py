@@ -32,7 +32,7 @@ class Sizes:
 
     @property
     def smallest(self) -> float:
-        return float(min(e for e, s in zip(self.edge, self.share, strict=True) if s > 0))
+        return float(min(e for e, s in zip(self.edge[:-1], self.share, strict=True) if s > 0))
 
     def draw(self, count: int, random: np.random.Generator) -> np.ndarray:
         """(count,) radii [m]; classes are drawn by number, so that mass follows the shares."""

@@ -381,6 +381,8 @@ def check_start(flow: Flow, model: Model) -> None:
         with the particle, the place and what to do.
     """
     p, domain = flow.particles, model.domain
+    if not p.count:
+        return
     for what, array in (
         ("position", p.position),
         ("velocity", p.velocity),
@@ -395,8 +397,6 @@ def check_start(flow: Flow, model: Model) -> None:
             raise UserError(
                 f"Particle {p.ident[i]}: its {what} is {array[i].tolist()}; it must be a finite number."
             )
-    if not p.count:
-        return
     if not (p.radius > 0).all():
         raise UserError(
             f"Particle {p.ident[int(np.argmin(p.radius))]} has the radius {p.radius.min():g} m; it must be above 0."
