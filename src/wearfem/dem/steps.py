@@ -10,7 +10,7 @@ from wearfem.dem.motion import POSE, TURNING, VELOCITY, move, pose_at
 from wearfem.dem.neighbours import chunk_bounds
 from wearfem.dem.pairs import DISSIPATED, LANES, ROWS, collect_remote, pair_forces
 from wearfem.dem.particles import Particles
-from wearfem.dem.tally import MOST_ENTRIES, add_entries
+from wearfem.dem.tally import add_entries
 from wearfem.dem.walls import new_scratch, wall_forces
 from wearfem.jit import compiled, kernel, parallel, prange
 
