@@ -6,8 +6,8 @@ A sphere touches a surface at its closest point. Where several triangles offer o
   or convex neighbourhood, cut into triangles.
 * Two candidate contacts with overlaps d1 >= d2, normals n1, n2 and points p1, p2 share one Hertz patch as far as their
   contact circles (radius sqrt(r d1)) overlap: c = max(0, n1 . n2) max(0, 1 - |p1 - p2|^2 / (4 r d1)).
-* Each candidate takes the share of its overlap that the others do not already push out: the shares l >= 0 solve
-  l_i + sum_j c_ij l_j = d_i.
+* Each candidate takes the share of its overlap that the others do not already push out:
+  l_i >= 0 with l_i + sum_j c_ij l_j >= d_i, one of the two an equality.
 
 On a plane, and over a convex edge, the deepest candidate takes all and the others nothing, to the last bit; in a concave
 corner with separate patches both act in full; in between, and from one to the other, the force is continuous. No adjacency

@@ -21,7 +21,7 @@ from wearfem.dem.particles import HELD, spheres
 from wearfem.dem.sample import advance
 from wearfem.material import Material
 from wearfem.proof import Claim
-from wearfem.proofs.seams import LOAD, ORE, RADIUS, SPACE, hertz_force, resting_overlap
+from wearfem.proofs.seams import LOAD, ORE, RADIUS, SPACE, fan, hertz_force, resting_overlap
 from wearfem.surface import Plane, Surface
 
 ELASTIC = replace(ORE, name="elastic", restitution=1.0)
@@ -48,7 +48,7 @@ def observed_order(value: Callable[[float], np.ndarray], time_step: float) -> fl
 
 def after_impact(time_step: float) -> np.ndarray:
     """Height [m] and velocity [m/s] x 1 ms of an elastic sphere that has hit a plane, the contact included from end to end."""
-    sphere = spheres((0.0, 0.0, RADIUS + 1e-4), RADIUS, ORE.density, velocity=(0.0, 0.0, -0.5))
+    sphere = spheres(np.array((0.0, 0.0, RADIUS + 1e-4)), RADIUS, ORE.density, velocity=(0.0, 0.0, -0.5))
     flow = advance(Flow(sphere), Model((ELASTIC,), time_step, SPACE, floor(ELASTIC)), 0.004)
     return np.array([flow.particles.position[0, 2], 1e-3 * flow.particles.velocity[0, 2]])
 
@@ -57,7 +57,7 @@ def swing(time_step: float) -> np.ndarray:
     """Place [m] of a sphere that stays in contact, swings up and down and sideways on its tangential spring, damped."""
     overlap = 1.3 * resting_overlap(LOAD, material=STICKY)
     sphere = spheres(
-        (0.0, 0.0, RADIUS - overlap),
+        np.array((0.0, 0.0, RADIUS - overlap)),
         RADIUS,
         ORE.density,
         applied_force=(0.2 * LOAD, 0.0, -LOAD),
@@ -159,7 +159,7 @@ def turntable(surface: Surface, rate: float = 10.0) -> float:
     # No slip at the start: v + w x (-arm e_z) = rate e_z x position
     spin = np.array([0.0, speed, 0.0]) - np.array([0.0, rate * away, 0.0])
     sphere = spheres(
-        (away, 0.0, arm),
+        np.array((away, 0.0, arm)),
         RADIUS,
         ORE.density,
         velocity=(0.0, speed, 0.0),
@@ -203,6 +203,17 @@ def claims() -> Iterator[Claim]:
         math.inf,
         False,
         "slip and micro-slip of the spring law",
+    )
+    arm = 1.0 - resting_overlap(LOAD) / RADIUS
+    yield Claim(
+        "a sphere on a turntable of 10 rad/s circles at",
+        "rigid rolling at R less the overlap, 2/7 of 10 rad/s without (Earnshaw 1844)",
+        10.0 / (1.0 + arm**2 / 0.4),
+        turntable(fan(24)),
+        "rad/s",
+        1e-4,
+        True,
+        "a mesh that turns under the sphere",
     )
     for name, contact in ROLLING_LAWS.items():
         gap, dissipated = tumbling_bed(contact)

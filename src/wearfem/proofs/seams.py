@@ -39,14 +39,20 @@ class Trace:
     contacts: np.ndarray  # (s,) with walls
 
 
+def wall_contacts(stepper: Stepper) -> int:
+    """How many contacts particles have with walls."""
+    walls = stepper.walls
+    return 0 if walls is None else int((walls.body >= 0).sum())
+
+
 def watch(flow: Flow, model: Model, steps: int) -> Trace:
     """Follow the only sphere of a flow."""
     stepper, rows = Stepper(flow, model), []
     for _ in range(steps):
         stepper.advance(1)
         p = stepper.particles
-        touching = float((stepper.walls.body >= 0).sum())
-        rows.append(np.concatenate([p.position[0], p.velocity[0], p.force[0], [touching]]))
+        touching = wall_contacts(stepper)
+        rows.append(np.concatenate([p.position[0], p.velocity[0], p.force[0], [float(touching)]]))
     table = np.array(rows)
     return Trace(table[:, 0:3], table[:, 3:6], table[:, 6:9], table[:, 9])
 
@@ -154,7 +160,7 @@ def on_the_plate(
     overlap = resting_overlap(LOAD)
     along = np.array([*way, 0.0]) / math.hypot(*way)
     sphere = spheres(
-        (*start, RADIUS - overlap),
+        np.array((*start, RADIUS - overlap)),
         RADIUS,
         ORE.density,
         applied_force=(0.0, 0.0, -LOAD),
@@ -264,7 +270,7 @@ def valley(tilt: float, parts: int = 1, material: Material = SLIPPERY, size: flo
 def forces_in_groove(tilt: float, load: float = LOAD) -> np.ndarray:
     """(2,) [N] normal force of each side of a valley on a sphere that came to rest in it, pressed down by `load`."""
     away = (RADIUS - resting_overlap(load)) / math.cos(math.radians(tilt))
-    sphere = spheres((0.0, 3e-4, away), RADIUS, ORE.density, applied_force=(0.0, 0.0, -load))
+    sphere = spheres(np.array((0.0, 3e-4, away)), RADIUS, ORE.density, applied_force=(0.0, 0.0, -load))
     model = Model((SLIPPERY,), TIME_STEP, SPACE, (Wall(valley(tilt)),), gravity=(0.0, 0.0, 0.0))
     settled = advance(Flow(sphere), model, 0.3)
     _, loads, _ = sample(settled, model, Window(0.001))
@@ -277,7 +283,7 @@ def across_joint(tilt: float, steps: int, parts: int = 1, size: float = 0.2) -> 
     height = (RADIUS - depth) / math.cos(math.radians(tilt))
     duration = steps * TIME_STEP
     sphere = spheres(
-        (-0.4 * reach, 3e-4, height),
+        np.array((-0.4 * reach, 3e-4, height)),
         RADIUS,
         ORE.density,
         velocity=(reach / duration, 0.0, 0.0),
@@ -301,7 +307,7 @@ def stiffening(tilt: float) -> float:
     """Force of a valley on a sphere in its joint over that of a plane at the same depth, along the upward direction."""
     depth = resting_overlap(LOAD)
     height = (RADIUS - depth) / math.cos(math.radians(tilt))
-    sphere = spheres((0.0, 3e-4, height), RADIUS, ORE.density, held=HELD_FAST)
+    sphere = spheres(np.array((0.0, 3e-4, height)), RADIUS, ORE.density, held=HELD_FAST)
     model = Model((ELASTIC,), TIME_STEP, SPACE, (Wall(valley(tilt, 1, ELASTIC)),))
     return float(watch(Flow(sphere), model, 1).force[0, 2] / LOAD)
 
@@ -323,7 +329,7 @@ def leaves_edge_at(speed: float = 0.05) -> tuple[float, float]:
     overlap = resting_overlap(weight, material=rough)
     arm = RADIUS - overlap
     sphere = spheres(
-        (-0.002, 0.0037, arm),
+        np.array((-0.002, 0.0037, arm)),
         RADIUS,
         ORE.density,
         velocity=(speed, 0.0, 0.0),
@@ -331,7 +337,7 @@ def leaves_edge_at(speed: float = 0.05) -> tuple[float, float]:
     )
     stepper = Stepper(Flow(sphere), Model((rough,), 4e-7, SPACE, (Wall(top), Wall(side))))
     angle = 0.0
-    while angle < 89.0 and (stepper.walls.body >= 0).any() or stepper.time < 1e-3:
+    while angle < 89.0 and wall_contacts(stepper) or stepper.time < 1e-3:
         stepper.advance(50)
         x, _, z = stepper.particles.position[0]
         angle = math.degrees(math.atan2(x, z))
