@@ -301,14 +301,20 @@ def hand_on_memories(force, rolling, twisting, bounds, order, old, new):
 
 def list_pairs(contact, position, radius, grid, bounds, order, old, skin, period):
     """The Verlet list of all chunks, with the memory of `old` handed on. Room is found by trying again with more."""
-    chunks = len(bounds) - 1
+    chunks, laws = len(bounds) - 1, (contact.force, contact.rolling, contact.twisting)
     crossing, found = np.zeros(chunks, np.int64), np.zeros(chunks, np.int64)
     capacity = max(64, len(old.first) // chunks)
-    pairs = empty_pairs(len(radius), chunks, capacity, memory_rows(contact))
-    list_chunks(position, radius, grid, bounds, capacity, skin, period, pairs, crossing, found)
-    while found.max() > capacity:
-        capacity = int(found.max() * 1.1) + 1
+    while True:
         pairs = empty_pairs(len(radius), chunks, capacity, memory_rows(contact))
-        list_chunks(position, radius, grid, bounds, capacity, skin, period, pairs, crossing, found)
-    hand_on_memories(contact.force, contact.rolling, contact.twisting, bounds, order, old, pairs)
+        if chunks == 1:  # no threads, and no code for them to compile
+            found[0] = list_chunk(position, radius, grid, bounds, 0, capacity, skin, period, pairs, crossing)
+        else:
+            list_chunks(position, radius, grid, bounds, capacity, skin, period, pairs, crossing, found)
+        if found.max() <= capacity:
+            break
+        capacity = int(found.max() * 1.1) + 1
+    if chunks == 1:
+        hand_on_memory(*laws, bounds, 0, order, old, pairs)
+        return pairs
+    hand_on_memories(*laws, bounds, order, old, pairs)
     return address_remote(pairs, bounds, crossing)

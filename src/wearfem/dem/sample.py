@@ -20,7 +20,8 @@ from wearfem.dem.steps import (
     LIST_WALLS,
     NOT_A_NUMBER,
     Constants,
-    copy_particles,
+    ManyChunks,
+    OneChunk,
     largest_shift,
     middle_velocity,
     step_on,
@@ -188,8 +189,7 @@ class Stepper:
         grid, order = sort_into_cells(
             p.position, p.radius, self.constants.low, self.constants.period, self.pair_skin
         )
-        self.particles = Particles(*(np.empty_like(array) for array in p))
-        copy_particles(p, self.particles, order, bounds)
+        self.particles = chosen(p, order)
         self.packed = self.packed[order]
         was = order if was is None else was[order]
         p = self.particles
@@ -227,10 +227,12 @@ class Stepper:
         if not self.particles.count:
             self.clock[0] += steps
             return
+        chunks = len(chunk_bounds(self.particles.count)) - 1
+        drive = OneChunk() if chunks == 1 else ManyChunks(chunks)
         listing = False
         while True:
             begun, status = step_on(
-                self.model.contact, self.model.tally, self.model.table, self.geometry, self.bodies, self.particles, self.packed,
+                drive, self.model.contact, self.model.tally, self.model.table, self.geometry, self.bodies, self.particles, self.packed,
                 self.pairs, self.walls, self.drift, self.tally, self.constants, self.clock, self.travel, self.ledger, steps,
                 listing,
             )  # fmt: skip

@@ -9,10 +9,9 @@ from wearfem.dem.contact import Contact
 from wearfem.dem.motion import POSE, TURNING, VELOCITY, move, pose_at
 from wearfem.dem.neighbours import chunk_bounds
 from wearfem.dem.pairs import DISSIPATED, LANES, MEMORY, ROWS, collect_remote, pair_forces
-from wearfem.dem.particles import Particles
 from wearfem.dem.tally import add_entries
 from wearfem.dem.walls import new_scratch, wall_forces
-from wearfem.jit import compiled, kernel, parallel, prange
+from wearfem.jit import compiled, kernel, law_method, parallel, prange
 
 # Why the loop stopped.
 DONE, LIST_PAIRS, LIST_WALLS, NOT_A_NUMBER, TOO_MANY_ENTRIES = range(5)
@@ -33,48 +32,6 @@ class Constants(NamedTuple):
     wall_skin: float  # [m] margin of the wall list
     low: np.ndarray  # (3,) [m] corner of the domain
     period: np.ndarray  # (3,) [m] 0 where not periodic
-
-
-@parallel
-def copy_particles(old, new, order, bounds):
-    """Fill `new` with the particles of `old` in another order."""
-    for chunk in prange(len(bounds) - 1):
-        _copy_rows(old, new, order, bounds[chunk], bounds[chunk + 1])
-
-
-@compiled
-def sort_particles(particles, order, bounds):
-    """The particles in another order."""
-    count = len(order)
-    new = Particles(
-        np.empty((count, 3)),
-        np.empty((count, 3)),
-        np.empty((count, 3)),
-        np.empty((count, 6)),
-        np.empty((count, 3)),
-        np.empty(count),
-        np.empty(count),
-        np.empty(count, np.int32),
-        np.empty(count, np.uint8),
-        np.empty(count, np.int64),
-    )
-    copy_particles(particles, new, order, bounds)
-    return new
-
-
-@kernel
-def _copy_rows(old, new, order, low, high):
-    for i in range(low, high):
-        j = order[i]
-        for k in range(3):
-            new.position[i, k] = old.position[j, k]
-            new.velocity[i, k] = old.velocity[j, k]
-            new.angular_velocity[i, k] = old.angular_velocity[j, k]
-            new.applied_force[i, k] = old.applied_force[j, k]
-        for k in range(6):
-            new.wrench[i, k] = old.wrench[j, k]
-        new.radius[i], new.mass[i], new.material[i] = old.radius[j], old.mass[j], old.material[j]
-        new.held[i], new.ident[i] = old.held[j], old.ident[j]
 
 
 @compiled
@@ -207,15 +164,65 @@ def _forces_all(
         )  # fmt: skip
 
 
+@law_method
+def finish_and_begin(self, particles, packed, pairs, drift, constants, work, bounds, finish, begin):
+    """Kicks and drift of all particles, by one chunk or by many."""
+
+
+@law_method
+def forces(
+    self, force, rolling, twisting, custom, table, geometry, pose, packed, wrench, pairs, walls, tally, space, scratch, constants
+):  # fmt: skip
+    """Forces on all particles, by one chunk or by many."""
+
+
+class OneChunk(NamedTuple):
+    """Few particles: no threads, and no code for them to compile."""
+
+    chunk: int = 0
+
+    def finish_and_begin(self, particles, packed, pairs, drift, constants, work, bounds, finish, begin):
+        """Kicks and drift of all particles."""
+        _finish_and_begin(particles, packed, pairs, drift, constants, work, bounds, self.chunk, finish, begin)
+
+    def forces(
+        self, force, rolling, twisting, custom, table, geometry, pose, packed, wrench, pairs, walls, tally, space, scratch, constants
+    ):  # fmt: skip
+        """Forces on all particles."""
+        _forces(
+            force, rolling, twisting, custom, table, geometry, pose, packed, wrench, pairs, walls, tally, space, scratch,
+            constants, self.chunk,
+        )  # fmt: skip
+
+
+class ManyChunks(NamedTuple):
+    """Many particles: chunks are shared out among the threads."""
+
+    chunks: int
+
+    def finish_and_begin(self, particles, packed, pairs, drift, constants, work, bounds, finish, begin):
+        """Kicks and drift of all particles."""
+        _finish_and_begin_all(particles, packed, pairs, drift, constants, work, bounds, finish, begin)
+
+    def forces(
+        self, force, rolling, twisting, custom, table, geometry, pose, packed, wrench, pairs, walls, tally, space, scratch, constants
+    ):  # fmt: skip
+        """Forces on all particles."""
+        _forces_all(
+            force, rolling, twisting, custom, table, geometry, pose, packed, wrench, pairs, walls, tally, space, constants,
+            self.chunks,
+        )  # fmt: skip
+
+
 @compiled
 def step_on(
-    contact, custom, table, geometry, bodies, particles, packed, pairs, walls, drift, tally, constants, clock, travel, ledger,
+    drive, contact, custom, table, geometry, bodies, particles, packed, pairs, walls, drift, tally, constants, clock, travel, ledger,
     steps, listing,
 ):  # fmt: skip
     """Take up to `steps` time steps, as long as the lists are valid; returns steps begun and why it stopped.
 
     A step whose drift makes the lists stale stops before its forces (`LIST_PAIRS`, `LIST_WALLS`); called again with `listing`
-    and new lists it goes on there. All arrays are changed in place.
+    and new lists it goes on there. All arrays are changed in place. `drive` is `OneChunk` or `ManyChunks`, as `chunk_bounds` says.
     """
     bounds = chunk_bounds(len(particles.radius))
     chunks = len(bounds) - 1
@@ -228,19 +235,13 @@ def step_on(
     work = np.zeros((chunks, WORK))
     space, scratch = Workspace(buffers, kinds, lanes, work), new_scratch()
     force, rolling, twisting = contact.force, contact.rolling, contact.twisting
-    only = np.int64(0)
     status, begun = DONE, 0
     for body in range(body_count):
         pose_at(bodies, body, clock[0] * dt, pose[body])
     while True:
         if not listing:
             finish, begin = begun > 0 or clock[1] > 0, begun < steps
-            if chunks == 1:
-                _finish_and_begin(
-                    particles, packed, pairs, drift, constants, work, bounds, only, finish, begin
-                )
-            else:
-                _finish_and_begin_all(particles, packed, pairs, drift, constants, work, bounds, finish, begin)
+            drive.finish_and_begin(particles, packed, pairs, drift, constants, work, bounds, finish, begin)
             clock[1] = 0
             if not begin:
                 break
@@ -265,16 +266,10 @@ def step_on(
                 status = LIST_WALLS
                 break
         listing = False
-        if chunks == 1:
-            _forces(
-                force, rolling, twisting, custom, table, geometry, pose, packed, particles.wrench, pairs, walls, tally, space,
-                scratch, constants, only,
-            )  # fmt: skip
-        else:
-            _forces_all(
-                force, rolling, twisting, custom, table, geometry, pose, packed, particles.wrench, pairs, walls, tally, space,
-                constants, chunks,
-            )  # fmt: skip
+        drive.forces(
+            force, rolling, twisting, custom, table, geometry, pose, packed, particles.wrench, pairs, walls, tally, space, scratch,
+            constants,
+        )  # fmt: skip
         clock[1] = 1
         for chunk in range(chunks):
             if tally.filled[chunk] < 0:

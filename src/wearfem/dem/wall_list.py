@@ -118,7 +118,10 @@ def list_walls(geometry, pose, position, radius, bounds, skin, order, old):
     room = max(64, 4 * len(old.candidate) // chunks)
     while True:
         candidates = np.empty((chunks, room), np.int32)
-        near_walls_all(geometry, pose, position, radius, skin, bounds, counts, candidates, found)
+        if chunks == 1:  # no threads, and no code for them to compile
+            found[0] = near_walls(geometry, pose, position, radius, skin, 0, count, counts, candidates[0])
+        else:
+            near_walls_all(geometry, pose, position, radius, skin, bounds, counts, candidates, found)
         if found.max() <= room:
             break
         room = int(found.max() * 1.2) + 1
