@@ -123,6 +123,11 @@ class Flow:
     particles: Particles
     step: int = 0  # time steps since the start
     time: float = 0.0  # [s]
+    time_step: float = 0.0  # [s] of the last window; 0 before the first
+    origin: float = (
+        0.0  # [s] time when this time step came into use: times are counted from there, not added up
+    )
+    origin_step: int = 0  # steps since the start at that time
     ledger: np.ndarray = field(default_factory=lambda: np.zeros(LEDGER))  # [J] see steps.py
     pairs: PairList | None = None
     walls: WallList | None = None

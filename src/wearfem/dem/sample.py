@@ -25,6 +25,7 @@ from wearfem.dem.steps import (
     largest_shift,
     middle_velocity,
     step_on,
+    time_at,
     wrap,
 )
 from wearfem.dem.tally import (
@@ -95,6 +96,8 @@ class Stepper:
         low = np.asarray(model.domain.low, float)
         self.geometry = geometry(walls, number, 2.0 * (largest + self.wall_skin), model.period, low)
         self.bodies = bodies([motion for _, motion in walls])
+        same_step = flow.time_step in (0.0, model.time_step)
+        origin = (flow.origin, flow.origin_step) if same_step else (flow.time, flow.step)
         self.constants = Constants(
             np.asarray(model.gravity, float),
             model.time_step,
@@ -102,6 +105,7 @@ class Stepper:
             self.wall_skin,
             low,
             model.period,
+            *origin,
         )
         self.tally = empty_tally(model.facet_count)
         self.clock = np.array([flow.step, 0])
@@ -134,6 +138,9 @@ class Stepper:
             particles=self.particles,
             step=step,
             time=self.time,
+            time_step=self.model.time_step,
+            origin=self.constants.origin,
+            origin_step=self.constants.origin_step,
             next_ident=self.next_ident,
             ledger=self.ledger,
             pairs=self.pairs,
@@ -151,7 +158,7 @@ class Stepper:
     @property
     def time(self) -> float:
         """[s]"""
-        return float(self.clock[0] * self.model.time_step)
+        return float(time_at(self.constants, self.clock[0]))
 
     def stride(self, most: int) -> int:
         """Steps between looks at inlets and outlets: a largest particle entering moves about its radius."""
@@ -168,7 +175,7 @@ class Stepper:
         """(bodies, POSE) where the bodies are now"""
         pose = np.zeros((max(len(self.model.walls), 1), POSE))
         for body in range(len(self.model.walls)):
-            pose_at(self.bodies, body, self.clock[0] * self.model.time_step, pose[body])
+            pose_at(self.bodies, body, self.time, pose[body])
         return pose
 
     def adapt_margin(self) -> None:
@@ -253,7 +260,7 @@ class Stepper:
 
     def _failure(self, status: int) -> UserError:
         p = self.particles
-        time = self.clock[0] * self.model.time_step
+        time = self.time
         if status == NOT_A_NUMBER:
             bad = ~np.isfinite(p.velocity).all(axis=1) | ~np.isfinite(p.position).all(axis=1)
             i = int(np.argmax(bad))

@@ -11,7 +11,7 @@ from wearfem.dem.neighbours import chunk_bounds
 from wearfem.dem.pairs import DISSIPATED, LANES, MEMORY, ROWS, collect_remote, pair_forces
 from wearfem.dem.tally import add_entries
 from wearfem.dem.walls import new_scratch, wall_forces
-from wearfem.jit import compiled, kernel, law_method, parallel, prange
+from wearfem.jit import compiled, inlined, kernel, law_method, parallel, prange
 
 # Why the loop stopped.
 DONE, LIST_PAIRS, LIST_WALLS, NOT_A_NUMBER, TOO_MANY_ENTRIES = range(5)
@@ -32,6 +32,14 @@ class Constants(NamedTuple):
     wall_skin: float  # [m] margin of the wall list
     low: np.ndarray  # (3,) [m] corner of the domain
     period: np.ndarray  # (3,) [m] 0 where not periodic
+    origin: float  # [s] time at `origin_step`
+    origin_step: int  # step at which this time step came into use
+
+
+@inlined
+def time_at(constants, step):
+    """The time [s] after so many steps."""
+    return constants.origin + (step - constants.origin_step) * constants.time_step
 
 
 @compiled
@@ -237,7 +245,7 @@ def step_on(
     force, rolling, twisting = contact.force, contact.rolling, contact.twisting
     status, begun = DONE, 0
     for body in range(body_count):
-        pose_at(bodies, body, clock[0] * dt, pose[body])
+        pose_at(bodies, body, time_at(constants, clock[0]), pose[body])
     while True:
         if not listing:
             finish, begin = begun > 0 or clock[1] > 0, begun < steps
@@ -249,7 +257,7 @@ def step_on(
             clock[0] += 1
             for body in range(body_count):
                 if geometry.moves[body]:
-                    pose_at(bodies, body, clock[0] * dt, pose[body])
+                    pose_at(bodies, body, time_at(constants, clock[0]), pose[body])
             fastest, fastest_apart = 0.0, 0.0
             for chunk in range(chunks):
                 fastest, fastest_apart = max(fastest, work[chunk, 1]), max(fastest_apart, work[chunk, 2])
