@@ -76,7 +76,7 @@ def run_case(
 
 def check_first_stage(case: Case) -> None:
     """Refuse, before anything is written, what is known to go wrong at the first step."""
-    from wearfem.dem.sample import check_start
+    from wearfem.dem.start import check_start
 
     check_start(case.flow, case.stages[0].model)
 

@@ -41,10 +41,11 @@ def disc(tmp_path, monkeypatch):
         tell(window.duration, model)
         return flow, Loads(np.full(2, 0.5 * flow * window.duration)), ()
 
-    module = ModuleType("wearfem.dem.sample")
-    module.sample, module.check_start = sample, lambda flow, model: None
+    module, start = ModuleType("wearfem.dem.sample"), ModuleType("wearfem.dem.start")
+    module.sample, start.check_start = sample, lambda flow, model: None
     monkeypatch.setitem(sys.modules, "wearfem.dem", ModuleType("wearfem.dem"))
     monkeypatch.setitem(sys.modules, "wearfem.dem.sample", module)
+    monkeypatch.setitem(sys.modules, "wearfem.dem.start", start)
     monkeypatch.chdir(tmp_path)
     folder = tmp_path / "cases" / "disc"
     folder.mkdir(parents=True)
