@@ -172,7 +172,7 @@ class Twin:
             turned = vector + spin * dt * np.cross(n, vector)
             flat = turned - turned @ n * n
             length = np.linalg.norm(flat)
-            return flat * (np.linalg.norm(turned) / length) if length else flat
+            return flat * (np.linalg.norm(vector) / length) if length else flat
 
         s = keep * carried(s) + 0.5 * dt * slide
         s, shove = slip(s, k_t, 2 * np.sqrt(5 / 6) * beta * np.sqrt(k_t * mass), slide, friction * load)

@@ -308,12 +308,12 @@ class Response(NamedTuple):
 @inlined
 def carry(x, y, z, nx, ny, nz, turn):
     """Turn a stored tangential vector with the contact: by `turn` [rad] about n, then into the new tangent plane, length kept."""
+    before = dot(x, y, z, x, y, z)
     tx, ty, tz = cross(nx, ny, nz, x, y, z)
     x, y, z = x + turn * tx, y + turn * ty, z + turn * tz
-    before = norm(x, y, z)
     x, y, z = tangent(x, y, z, nx, ny, nz)
-    after = norm(x, y, z)
-    scale = before / after if after > 0.0 else 0.0
+    after = dot(x, y, z, x, y, z)
+    scale = math.sqrt(before / after) if after > 0.0 else 0.0
     return x * scale, y * scale, z * scale
 
 
@@ -324,20 +324,25 @@ def spring_slider(ux, uy, uz, vx, vy, vz, stiffness, damping, limit):
     The dashpot's force is -g c v with the largest g in [0, 1] that keeps |k u + g c v| within the limit. So both only ever
     dissipate, sliding friction is the limit from the first touch on, and no energy comes back that was not put in.
     """
-    kx, ky, kz = stiffness * ux, stiffness * uy, stiffness * uz
-    pull = norm(kx, ky, kz)
+    length = norm(ux, uy, uz)
+    pull = stiffness * length
     factor = limit / pull if pull > limit else 1.0
-    kx, ky, kz = kx * factor, ky * factor, kz * factor
+    hold = stiffness * factor
+    kx, ky, kz = hold * ux, hold * uy, hold * uz
     dx, dy, dz = damping * vx, damping * vy, damping * vz
     square = dot(dx, dy, dz, dx, dy, dz)
     along = dot(kx, ky, kz, dx, dy, dz)
     room = limit * limit - dot(kx, ky, kz, kx, ky, kz)
     room = room if room > 0.0 else 0.0
     root = math.sqrt(along * along + square * room)
-    part = room / (root + along) if along > 0.0 else (root - along) / square
+    over = (
+        room if along > 0.0 else root - along
+    )  # the same root of the quadratic, written so that nothing cancels
+    under = root + along if along > 0.0 else square
+    part = over / under if under > 0.0 else 0.0
     part = part if part < 1.0 else 1.0
     part = part if square > 0.0 else 0.0
-    slid = (1.0 - factor) * norm(ux, uy, uz)
+    slid = (1.0 - factor) * length
     power = part * damping * dot(vx, vy, vz, vx, vy, vz)
     return (
         -kx - part * dx,
@@ -370,7 +375,7 @@ def respond(contact, pair, touch, memory, time_step):
     growth = memory.stiffness / stiffness
     ratio = growth if growth < 1.0 else 1.0
     lost = 0.5 * stiffness * (growth - ratio * ratio) * (sx * sx + sy * sy + sz * sz)
-    half = 0.5 * time_step
+    half, rate = 0.5 * time_step, 1.0 / time_step
     ux, uy, uz = sx * ratio + half * vx, sy * ratio + half * vy, sz * ratio + half * vz
     limit = pair.friction * load
     shear_damping = law.tangential_damping(touch.overlap, pair)
@@ -394,7 +399,7 @@ def respond(contact, pair, touch, memory, time_step):
         mx, my, mz, rx, ry, rz, rolled, rolling_power = spring_slider(
             rx, ry, rz, wx, wy, wz, spring, dashpot, most
         )
-        rolling_power += most * rolled / time_step
+        rolling_power += most * rolled * rate
         rx, ry, rz = rx + half * wx, ry + half * wy, rz + half * wz
     if contact.twisting.active():
         spring = contact.twisting.twisting_stiffness(stiffness, touch.overlap, pair)
@@ -402,7 +407,7 @@ def respond(contact, pair, touch, memory, time_step):
         angle = memory.twist + half * along
         tx, _, _, hold, _, _, turned, _ = spring_slider(angle, 0.0, 0.0, along, 0.0, 0.0, spring, 0.0, most)
         mx, my, mz = mx + tx * touch.nx, my + tx * touch.ny, mz + tx * touch.nz
-        rolling_power += most * turned / time_step
+        rolling_power += most * turned * rate
         twist = hold + half * along
     return (
         Response(
@@ -413,8 +418,8 @@ def respond(contact, pair, touch, memory, time_step):
             mx,
             my,
             mz,
-            limit * slip / time_step,
-            lost / time_step,
+            limit * slip * rate,
+            lost * rate,
             (load - elastic) * approach_speed + power,
             rolling_power,
             slip,
