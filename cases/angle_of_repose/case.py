@@ -30,7 +30,6 @@ from wearfem.units import GPa, MPa, degree, kg, mm, second
 # Chosen. The hinge of the plate, its front edge, is at x = 0, z = 0; y runs across.
 BOX_LENGTH = 150 * mm  # of the plate, from the wall behind to the gate
 BOX_HEIGHT = 250 * mm  # of the wall behind, which tilts with the plate, and of the gate
-DROP = 200 * mm  # from the plate down to the bottom of the bin
 BIN = (-300 * mm, 500 * mm)  # where the bin's ends stand
 WIDTH = 40 * mm  # periodic; printed: more than four diameters
 LAST_TILT = 60 * degree  # steep enough to empty the plate
@@ -65,6 +64,7 @@ def case(
     shear_modulus: float = 10 * MPa,
     rolling: Literal["constant_torque", "elastic_plastic"] = "constant_torque",
     coarsening: float = 1.0,
+    drop: float = 200 * mm,
 ) -> Case:
     """The three angles of repose of Experiment 1 (1.8 degrees a second) or 2 (13.1).
 
@@ -82,6 +82,8 @@ def case(
         Constant torque is what the program of the published simulations has; the elastic-plastic model lets heaps come to rest.
     coarsening
         Factor on all particle diameters, for a quick look; the width grows where particles would be too large for it.
+    drop
+        From the plate down to the bottom of the bin [m]; not printed, chosen.
     """
     ore = Material("ore", 4865.0, shear_modulus, 0.24, restitution=0.45, friction=0.41, rolling_friction=0.22)
     steel = Material("steel", 7932.0, 78 * GPa, 0.3)
@@ -117,7 +119,7 @@ def case(
         ),
         time_step=RAYLEIGH_SHARE * rayleigh,
         domain=Domain(
-            (BIN[0] - 10 * mm, 0.0, -DROP - 10 * mm),
+            (BIN[0] - 10 * mm, 0.0, -drop - 10 * mm),
             (BIN[1] + 10 * mm, width, 600 * mm),
             (False, True, False),
         ),
@@ -125,7 +127,7 @@ def case(
             Wall(sheet((-BOX_LENGTH, 0.0), (0.0, 0.0), steel, "plate"), turn),
             Wall(sheet((-BOX_LENGTH, BOX_HEIGHT), (-BOX_LENGTH, 0.0), acrylic, "wall behind"), turn),
             Wall(sheet((0.0, 0.0), (0.0, BOX_HEIGHT), acrylic, "gate"), gate_up),
-            Wall(Plane((0.0, 0.0, -DROP), (0.0, 0.0, 1.0), steel, "bottom of the bin")),
+            Wall(Plane((0.0, 0.0, -drop), (0.0, 0.0, 1.0), steel, "bottom of the bin")),
             Wall(Plane((BIN[0], 0.0, 0.0), (1.0, 0.0, 0.0), acrylic, "rear end of the bin")),
             Wall(Plane((BIN[1], 0.0, 0.0), (-1.0, 0.0, 0.0), acrylic, "front end of the bin")),
         ),
@@ -151,7 +153,7 @@ def case(
         Stage("tilt", model, Window(tilt_time, snapshots=TILT_SNAPSHOTS)),
         Stage("settle", model, Window(SETTLE, block_count=30), until=_at_rest),
     )
-    setup = Setup(experiment, width, smallest + largest, tilting, tilt_start)
+    setup = Setup(experiment, width, smallest + largest, tilting, tilt_start, drop)
     return Case(
         name="angle_of_repose",
         flow=Flow(spheres(np.zeros((0, 3)), 0.0, ore.density)),
@@ -177,6 +179,7 @@ class Setup:
     cell: float  # [m] of the profile: the mean diameter
     tilting: float  # [rad/s]
     tilt_start: float  # [s]
+    drop: float  # [m]
 
     def tilt(self, time: float) -> float:
         """How far the plate has turned [rad]."""
@@ -323,7 +326,7 @@ def _draw(setup: Setup, outcome: Outcome, folder: Path) -> None:
 
         behind = (-BOX_LENGTH, BOX_HEIGHT), (-BOX_LENGTH, 0.0), (0.0, 0.0)
         walls = [(turned(a), turned(b)) for a, b in zip(behind, behind[1:], strict=False)]
-        walls.append(((BIN[0], -DROP), (BIN[1], -DROP)))
+        walls.append(((BIN[0], -setup.drop), (BIN[1], -setup.drop)))
         on_plate = flow is not outcome.flow
         fitted = [(turned(one.start), turned(one.end)) if on_plate else (one.start, one.end) for one in lines]
         speed = np.linalg.norm(p.velocity, axis=1)
