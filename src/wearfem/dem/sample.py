@@ -29,11 +29,15 @@ from wearfem.dem.steps import (
     wrap,
 )
 from wearfem.dem.tally import (
+    ANGLE,
     ANGLE_CLASSES,
+    ANGLE_SQUARED,
     CONTACTS,
     CUSTOM,
+    ENERGY,
     FRICTION_WORK,
     LOAD_DISTANCE,
+    LOG_SPEED,
     NORMAL,
     SLIP,
     TANGENTIAL,
@@ -401,6 +405,7 @@ def sample(
 def _loads(model: Model, blocks: Sequence[Tally], durations: Sequence[float]) -> FacetLoads:
     """Blocks of sums as facet loads."""
     sums = np.stack([block.sums for block in blocks])
+    impact = np.stack([block.impact for block in blocks])
     area = [surface.facet_area for surface in model.surfaces]
     return FacetLoads(
         duration=np.array(durations),
@@ -415,8 +420,10 @@ def _loads(model: Model, blocks: Sequence[Tally], durations: Sequence[float]) ->
         custom=sums[..., CUSTOM],
         force_time=np.stack([block.force_time for block in blocks]),
         force_slip=np.stack([block.force_slip for block in blocks]),
-        impact_energy=np.stack([block.impact_energy for block in blocks]),
+        impact_energy=impact[..., ENERGY].copy(),
         force_edge=force_edges(),
         angle_edge=np.linspace(0.0, 90.0, ANGLE_CLASSES + 1),
         speed_edge=speed_edges(),
+        impact_angle=impact[..., ANGLE : ANGLE_SQUARED + 1].copy(),
+        impact_log_speed=impact[..., LOG_SPEED:].copy(),
     )
