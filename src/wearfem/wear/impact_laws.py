@@ -155,10 +155,10 @@ class Oka(ImpactLaw):
 
     V = m E90 (v/v')^k2 (D/D')^k3 g(a),  g = (sin a)^n1 (1 + H (1 - sin a))^n2,  H Vickers hardness in GPa.
 
-    **Source** Oka, Okamura and Yoshida, Wear 259 (2005) 95-101, and Oka and Yoshida, ibid. 102-109; v' = 104 m/s and D' = 326 um. The exponents
-    of silica sand are in `sand_on_metal`. Checked against the manuals of EDEM and Fluent, not against the papers themselves.
-    **Valid for** erosion of metals by hard grains of 0.05 to 3 mm at some 50 to 170 m/s; at the speeds of chutes v^k2 is an extrapolation, so fit
-    E90 to the plant. Particles of all sizes are counted with the one `diameter`.
+    **Source** Oka, Okamura and Yoshida, Wear 259 (2005) 95-101, and Oka and Yoshida, ibid. 102-109; v' = 104 m/s and D' = 326 um. The
+    exponents of silica sand are in `sand_on_metal`. Checked against the manuals of EDEM and Fluent, not against the papers themselves.
+    **Valid for** erosion of metals by hard grains of 0.05 to 3 mm at some 50 to 170 m/s; at the speeds of chutes v^k2 is an
+    extrapolation, so fit E90 to the plant. Particles of all sizes are counted with the one `diameter`.
     """
 
     volume_per_mass: float  # [m3/kg] E90 at the reference speed and diameter (papers give mm3/kg, 1e-9 of it)
@@ -243,7 +243,8 @@ class NeilsonGilchrist(ImpactLaw):
 
     **Source** Neilson and Gilchrist, Wear 11 (1968) 111-122, a simpler form of Bitter, Wear 6 (1963) 5-21 and 169-190; equations as the
     manuals and codes repeat them, numbers not checked against the paper.
-    **Valid for** ductile (phi small) to brittle (eps small) surfaces, any angle above 0; phi, eps, n and v0 come from tests at three angles or more.
+    **Valid for** ductile (phi small) to brittle (eps small) surfaces, any angle above 0; phi, eps, n and v0 come from
+    tests at three angles or more.
     """
 
     cutting_energy: float  # [J/m3] phi, kinetic energy along the surface spent on a volume cut
