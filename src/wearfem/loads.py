@@ -17,8 +17,8 @@ class FacetLoads:
 
     Vectors are in the frame of the facet's body, forces are those on the surface. An impact is the first touch of a contact: its
     energy is that of the particle's centre as the surface sees it, its angle (0 grazing, 90 degrees normal) and speed are those of the
-    point that touches. Mean and spread of angle and speed within a class follow from `impact_angle` and `impact_log_speed`; loads
-    without these two are looked at as if every impact lay in the middle of its class.
+    point that touches. Mean and spread of angle and speed within a class follow from `impact_moment`; loads without it are looked at as
+    if every impact lay in the middle of its class.
     """
 
     duration: np.ndarray = _array("s", "(b,)", "length of each block")
@@ -43,11 +43,11 @@ class FacetLoads:
     speed_edge: np.ndarray = _array(
         "m/s", "(v + 1,)", "borders of the speed classes; the end classes are open"
     )
-    impact_angle: np.ndarray | None = _array(
-        "J rad, J rad2", "(b, f, a, v, 2)", "energy times angle, and angle squared, by class", None
-    )
-    impact_log_speed: np.ndarray | None = _array(
-        "J", "(b, f, a, v, 2)", "energy times ln(speed in m/s), and its square, by class", None
+    impact_moment: np.ndarray | None = _array(
+        "J rad, J rad2, J, J, J rad",
+        "(b, f, a, v, 5)",
+        "impact energy times angle, angle^2, l, l^2 and angle x l, with l = ln(speed in m/s)",
+        None,
     )
 
     @property

@@ -31,13 +31,11 @@ from wearfem.dem.steps import (
 from wearfem.dem.tally import (
     ANGLE,
     ANGLE_CLASSES,
-    ANGLE_SQUARED,
     CONTACTS,
     CUSTOM,
     ENERGY,
     FRICTION_WORK,
     LOAD_DISTANCE,
-    LOG_SPEED,
     NORMAL,
     SLIP,
     TANGENTIAL,
@@ -424,6 +422,5 @@ def _loads(model: Model, blocks: Sequence[Tally], durations: Sequence[float]) ->
         force_edge=force_edges(),
         angle_edge=np.linspace(0.0, 90.0, ANGLE_CLASSES + 1),
         speed_edge=speed_edges(),
-        impact_angle=impact[..., ANGLE : ANGLE_SQUARED + 1].copy(),
-        impact_log_speed=impact[..., LOG_SPEED:].copy(),
+        impact_moment=impact[..., ANGLE:].copy(),
     )

@@ -37,8 +37,8 @@ ANGLE_CLASSES = 9
 SPEED_CLASSES, LOWEST_SPEED = 5, 1e-3  # [m/s]
 
 # Sums of a class of impacts: kinetic energy E, and its moments in angle a [rad] and logarithm of speed l.
-ENERGY, ANGLE, ANGLE_SQUARED, LOG_SPEED, LOG_SPEED_SQUARED = 0, 1, 2, 3, 4
-MOMENTS = 5  # E, E a, E a^2, E l, E l^2
+ENERGY, ANGLE, ANGLE_SQUARED, LOG_SPEED, LOG_SPEED_SQUARED, ANGLE_LOG_SPEED = 0, 1, 2, 3, 4, 5
+MOMENTS = 6  # E, E a, E a^2, E l, E l^2, E a l
 
 # Columns of an entry after the sums: of an impact its energy, angle and logarithm of speed.
 IMPACT_ENERGY, IMPACT_ANGLE, IMPACT_LOG_SPEED = SUMS, SUMS + 1, SUMS + 2
@@ -134,4 +134,5 @@ def add_entries(tally):
                 tally.impact[facet, a, v, ANGLE_SQUARED] += energy * angle * angle
                 tally.impact[facet, a, v, LOG_SPEED] += energy * speed
                 tally.impact[facet, a, v, LOG_SPEED_SQUARED] += energy * speed * speed
+                tally.impact[facet, a, v, ANGLE_LOG_SPEED] += energy * angle * speed
         tally.filled[chunk] = 0

@@ -1,86 +1,18 @@
-"""Effects: what makes a wear rate differ from the law's, by depth, time, place or load. [PLUG]
+"""Effects: what makes a wear rate differ from the law's, by depth, time, load or place. [PLUG]
 
-An effect is a frozen dataclass with one formula, `factor(...)`, of named features; `needs` names them. Forwards, `modify` takes the
-features from the facet loads and the liner and multiplies the rate; backwards, a diagnosis takes them from a survey and integrates
-
-    d(depth)/d(progress) = k x exposure x product of factors + sum of additions.
-
-Every factor is 1 at its own reference, so coefficients keep their meaning when effects are added, and none is negative.
-`all_factors` multiplies several.
+An effect is a frozen dataclass with one formula, `factor(...)`, of the features that `needs` names (see `features.py` for their units);
+`effect.py` says how it is used. No factor is negative.
 """
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, Protocol
+from typing import Any, ClassVar
 
 import numpy as np
 
-from wearfem.errors import UserError, in_words
 from wearfem.loads import FacetLoads
-from wearfem.wear.features import Features, WornLiner, features
-
-
-class Effect(Protocol):
-    """What every effect can do."""
-
-    needs: ClassVar[tuple[str, ...]]
-
-    def modify(self, rate: np.ndarray, loads: FacetLoads, liner: WornLiner) -> np.ndarray:
-        """The rate (b, f) [m/s] with the effect in it."""
-        ...
-
-
-class FactorEffect:
-    """What all effects that multiply the rate share. Each has its own `factor`, with the features in `needs` by name."""
-
-    needs: ClassVar[tuple[str, ...]] = ()
-
-    def factor(self, **feature: Any) -> Any:
-        """[-] by which the rate is multiplied; as the features, numbers or arrays of one shape"""
-        raise NotImplementedError
-
-    def known(self, loads: FacetLoads, liner: WornLiner) -> dict[str, Any]:
-        """The features that the effect needs, in a run."""
-        return features(self.needs, loads, liner)
-
-    def modify(self, rate: np.ndarray, loads: FacetLoads, liner: WornLiner) -> np.ndarray:
-        """The rate (b, f) [m/s] times the factor of each facet."""
-        return rate * self.factor(**self.known(loads, liner))
-
-
-def all_factors(effects: Sequence[FactorEffect], known: Features) -> Any:
-    """Product of the factors of several effects [-], each with the features that it needs out of `known`.
-
-    Raises
-    ------
-    UserError
-        naming the features that an effect needs and that are not known.
-    """
-    product: Any = 1.0
-    for effect in effects:
-        if missing := [name for name in effect.needs if name not in known]:
-            raise UserError(
-                f"{type(effect).__name__} needs {in_words(missing)}; known are {in_words(sorted(known))}."
-            )
-        product = product * effect.factor(**{name: known[name] for name in effect.needs})
-    return product
-
-
-@dataclass(frozen=True)
-class Log:
-    """What was written down in the course of service: values at times, straight lines between, constant beyond."""
-
-    service_time: tuple[float, ...]  # [s] rising
-    value: tuple[float, ...]
-
-    def __post_init__(self) -> None:
-        require_steps("a log", self.service_time, self.value, len(self.service_time))
-
-    def at(self, service_time: float) -> float:
-        """The value at a time [s]"""
-        return float(np.interp(service_time, self.service_time, self.value))
-
+from wearfem.wear.effect import FactorEffect, Log, logged, power, require, require_steps, step, unit
+from wearfem.wear.features import WornLiner
 
 # By depth: what the plate is made of.
 
@@ -89,14 +21,12 @@ class Log:
 class HardnessGradient(FactorEffect):
     """Hardness that falls through the thickness: H(d)/H0 = max(1 - g d, core); rate as (H0/H)^m.
 
-    **Source** m = 1 is Archard's k = K/H. **Valid for** quenched plates, whose core keeps 90 % of the surface's hardness and more, to
-    surface-hardened ones; hardness alone does not set the wear of all steels, hence m.
+    **Source** m = 1 is Archard's k = K/H. **Valid for** quenched plates, whose core keeps 90 % of the surface's hardness and
+    more, to surface-hardened ones; hardness alone does not set the wear of all steels, hence m.
     """
 
     needs: ClassVar = ("depth",)
-    loss: (
-        float  # [1/m] g, part of the surface's hardness lost with depth; below 0 for a plate that gets harder
-    )
+    loss: float  # [1/m] g, part of the surface's hardness lost with depth; below 0 for a gain
     core: float = 0.3  # [-] least hardness over that of the surface
     exponent: float = 1.0  # [-] m
 
@@ -114,8 +44,8 @@ class HardnessGradient(FactorEffect):
 class Overlay(FactorEffect):
     """A hard layer on a softer plate: factor 1 in the layer, `ratio` below it, a straight line across the transition.
 
-    **Source** the mixed zone between weld metal and base; thickness as ordered, ratio as tested (ASTM G65). **Valid for** one layer; several
-    layers are several overlays, each with the ratio to the layer above.
+    **Source** the mixed zone between weld metal and base; thickness as ordered, ratio as tested (ASTM G65). **Valid for** one
+    layer; several layers are several overlays, each with the ratio to the layer above.
     """
 
     needs: ClassVar = ("depth",)
@@ -142,7 +72,8 @@ class Overlay(FactorEffect):
 class RunningIn(FactorEffect):
     """A new surface wears faster until it is smooth: 1 + A exp(-d/d0).
 
-    **Source** exponential running-in, Blau, Tribol. Int. 38 (2005) 1007-1012 on its forms. **Valid for** the first millimetre: scale, roughness, weld beads.
+    **Source** exponential running-in, Blau, Tribol. Int. 38 (2005) 1007-1012 on its forms. **Valid for** the first millimetre:
+    scale, roughness, weld beads.
     """
 
     needs: ClassVar = ("depth",)
@@ -182,8 +113,9 @@ class RunningInByThroughput(FactorEffect):
 class WorkHardening(FactorEffect):
     """A surface that hardens under impacts: 1 - g (1 - exp(-w/w0)), w the energy of impacts received by area.
 
-    **Source** saturating hardening, as of austenitic manganese steel (Hadfield), measured hardness 2 to 3 times the initial. **Valid for** steels
-    that harden; w in a run is the present intensity times service time, so the flow should not have changed much before.
+    **Source** saturating hardening, as of austenitic manganese steel (Hadfield), measured hardness 2 to 3 times the initial.
+    **Valid for** steels that harden; w in a run is the present intensity times service time, so the flow should not have
+    changed much before.
     """
 
     needs: ClassVar = ("impact_work",)
@@ -203,8 +135,9 @@ class WorkHardening(FactorEffect):
 class WorkHardeningByDepth(FactorEffect):
     """Work hardening that keeps step with wear: 1 - g (1 - exp(-d/d0)).
 
-    **Source** as `WorkHardening`; hardened layers of 0.5 mm and more are reported. **Valid for** places whose impacts and wear go together.
-    The same formula as `RunningIn` with A = g/(1 - g), another coefficient k: depth alone cannot tell the two apart.
+    **Source** as `WorkHardening`; hardened layers of 0.5 mm and more are reported. **Valid for** places whose impacts and wear
+    go together. The same formula as `RunningIn` with A = g/(1 - g), another coefficient k: depth alone cannot tell the two
+    apart.
     """
 
     needs: ClassVar = ("depth",)
@@ -227,7 +160,8 @@ class WorkHardeningByDepth(FactorEffect):
 class OreChange(FactorEffect):
     """Another ore from a throughput on: factor 1, then `ratio[i]` from `throughput[i]` on.
 
-    **Source** the tonnage book. **Valid for** ores that change at once, for the whole liner; an error of the tonnage book looks alike.
+    **Source** the tonnage book. **Valid for** ores that change at once, for the whole liner; an error of the tonnage book looks
+    alike.
     """
 
     needs: ClassVar = ("throughput",)
@@ -235,7 +169,7 @@ class OreChange(FactorEffect):
     ratio: tuple[float, ...]  # [-] rate over that of the first ore
 
     def __post_init__(self) -> None:
-        require_steps("OreChange", self.throughput, self.ratio, len(self.throughput))
+        require_steps("OreChange", self.throughput, self.ratio, least=0.0)
 
     def factor(self, *, throughput: Any) -> Any:
         """[-] by throughput [kg]"""
@@ -251,7 +185,7 @@ class OreChangeByTime(FactorEffect):
     ratio: tuple[float, ...]  # [-]
 
     def __post_init__(self) -> None:
-        require_steps("OreChangeByTime", self.service_time, self.ratio, len(self.service_time))
+        require_steps("OreChangeByTime", self.service_time, self.ratio, least=0.0)
 
     def factor(self, *, service_time: Any) -> Any:
         """[-] by service time [s]"""
@@ -262,8 +196,8 @@ class OreChangeByTime(FactorEffect):
 class OreHardness(FactorEffect):
     """Harder ore wears faster: (H/H0)^m, H as it was logged.
 
-    **Source** a power law for want of a better one. **Valid for** a narrow range on one side of the transition at an ore 1.8 to 2.1 times as hard
-    as the steel (SSAB); across it the rate jumps.
+    **Source** a power law for want of a better one. **Valid for** a narrow range on one side of the transition at an ore 1.8 to
+    2.1 times as hard as the steel (SSAB); across it the rate jumps.
     """
 
     needs: ClassVar = ("ore_hardness",)
@@ -288,8 +222,9 @@ class OreHardness(FactorEffect):
 class Temperature(FactorEffect):
     """A surface that softens when warm: exp(b (T - T0)).
 
-    **Source** hardness H = A exp(-b T) of Ito and Shishokin, with Archard's k = K/H. **Valid for** metals below half their melting temperature without
-    change of phase; tempering and oxides break it (NM600 steel does not follow it above 100 degrees Celsius).
+    **Source** hardness H = A exp(-b T) of Ito and Shishokin, with Archard's k = K/H. **Valid for** metals below half their
+    melting temperature without change of phase; tempering and oxides break it (NM600 steel does not follow it above 100 degrees
+    Celsius).
     """
 
     needs: ClassVar = ("temperature",)
@@ -314,8 +249,9 @@ class Temperature(FactorEffect):
 class Corrosion:
     """Depth lost to corrosion by calendar time, beside wear: rate + c x (calendar time per service time).
 
-    **Source** general corrosion is reported as depth a year (ISO 9223: carbon steel outdoors 1.3 to 200 um a year). **Valid for** attack that does
-    not depend on wear; that bare metal corrodes faster (synergy) is not in it. It adds where nothing rubs too.
+    **Source** general corrosion is reported as depth a year (ISO 9223: carbon steel outdoors 1.3 to 200 um a year). **Valid
+    for** attack that does not depend on wear; that bare metal corrodes faster (synergy) is not in it. It adds where nothing
+    rubs too.
     """
 
     needs: ClassVar[tuple[str, ...]] = ()
@@ -342,8 +278,8 @@ class Corrosion:
 class PressureExponent(FactorEffect):
     """A rate not in proportion to pressure: (p/p0)^(n - 1), so k p v becomes k p0 v (p/p0)^n.
 
-    **Source** generalised Archard law, p^n v (COMSOL, Abaqus). **Valid for** the range of pressure that n was fitted in; p is the mean over the
-    facet, which is below that in the contacts. Where nothing presses the factor is 1 (n < 1) or 0.
+    **Source** generalised Archard law, p^n v (COMSOL, Abaqus). **Valid for** the range of pressure that n was fitted in; p is
+    the mean over the facet, which is below that in the contacts. Where nothing presses the factor is 1 (n < 1) or 0.
     """
 
     needs: ClassVar = ("pressure",)
@@ -363,8 +299,8 @@ class PressureExponent(FactorEffect):
 class SpeedExponent(FactorEffect):
     """A rate not in proportion to speed: (v/v0)^m on top of the law's own power of speed.
 
-    **Source** erosion goes as v^2 to v^2.6 (Finnie 2, Oka 2.3, DNV 2.6), sliding as v; m is the difference. **Valid for** the range of speed that m
-    was fitted in. Where nothing slips the factor is 1 (m < 0) or 0.
+    **Source** erosion goes as v^2 to v^2.6 (Finnie 2, Oka 2.3, DNV 2.6), sliding as v; m is the difference. **Valid for** the
+    range of speed that m was fitted in. Where nothing slips the factor is 1 (m < 0) or 0.
     """
 
     needs: ClassVar = ("slip_speed",)
@@ -384,8 +320,8 @@ class SpeedExponent(FactorEffect):
 class ImpactAngleCurve(FactorEffect):
     """A measured curve over the angle of impact: straight lines between points.
 
-    **Source** a test of the material at some angles, over what the law says there. **Valid for** facets that are hit from about one side: the
-    mean angle of a facet stands for all impacts on it; a law of impact that knows the angle does better.
+    **Source** a test of the material at some angles, over what the law says there. **Valid for** facets that are hit from about
+    one side: the mean angle of a facet stands for all impacts on it; a law of impact that knows the angle does better.
     """
 
     needs: ClassVar = ("impact_angle",)
@@ -393,7 +329,7 @@ class ImpactAngleCurve(FactorEffect):
     ratio: tuple[float, ...]  # [-]
 
     def __post_init__(self) -> None:
-        require_steps("ImpactAngleCurve", self.angle, self.ratio, len(self.angle))
+        require_steps("ImpactAngleCurve", self.angle, self.ratio, least=0.0)
 
     def factor(self, *, impact_angle: Any) -> Any:
         """[-] by angle [rad]"""
@@ -406,8 +342,8 @@ class SlipShare(FactorEffect):
 
     The share that slides is the mobilised friction over the coefficient of friction: rolling grains pull little.
 
-    **Source** two- against three-body abrasion, Rabinowicz, Dunn and Russell, Wear 4 (1961) 345-355: about a tenth. **Valid for** flow in one
-    direction; in flow to and fro the impulses cancel and grains seem to roll.
+    **Source** two- against three-body abrasion, Rabinowicz, Dunn and Russell, Wear 4 (1961) 345-355: about a tenth. **Valid
+    for** flow in one direction; in flow to and fro the impulses cancel and grains seem to roll.
     """
 
     needs: ClassVar = ("mobilised_friction",)
@@ -431,7 +367,8 @@ class SlipShare(FactorEffect):
 class BuildUp(FactorEffect):
     """Material that sticks covers a round patch: the rate inside is multiplied by `ratio` once `since` has passed.
 
-    **Source** rock boxes and dead corners, ratio near 0. **Valid for** a patch that stays; seen in surveys as a border without transition.
+    **Source** rock boxes and dead corners, ratio near 0. **Valid for** a patch that stays; seen in surveys as a border without
+    transition.
     """
 
     needs: ClassVar = ("position", "throughput")
@@ -474,7 +411,8 @@ class DeadZone(FactorEffect):
 class LateralBias(FactorEffect):
     """Feed that comes in on one side: 1 + s ((x - x0) . side), never below 0.
 
-    **Source** the first moment of an off-centre load. **Valid for** a bias that is there all the time; a tilted scan looks alike but does not grow.
+    **Source** the first moment of an off-centre load. **Valid for** a bias that is there all the time; a tilted scan looks
+    alike but does not grow.
     """
 
     needs: ClassVar = ("position",)
@@ -495,8 +433,8 @@ class LateralBias(FactorEffect):
 class AngularityLoss(FactorEffect):
     """Grains lose their edges on the way: exp(-s/s0), s the way along the flow from its start; before it 1.
 
-    **Source** exponential rounding with distance (Sternberg's law, of river gravel). **Valid for** one pass over a liner whose flow keeps its direction;
-    s is measured along a straight line, shorter than the way around a bend.
+    **Source** exponential rounding with distance (Sternberg's law, of river gravel). **Valid for** one pass over a liner whose
+    flow keeps its direction; s is measured along a straight line, shorter than the way around a bend.
     """
 
     needs: ClassVar = ("position",)
@@ -512,50 +450,3 @@ class AngularityLoss(FactorEffect):
         """[-] by position (..., 3) [m]"""
         way = (np.asarray(position) - self.start) @ unit(self.along)
         return np.exp(-np.maximum(way, 0.0) / self.length)
-
-
-def step(progress: Any, begins: Sequence[float], ratio: Sequence[float]) -> Any:
-    """1 before the first beginning, then the ratio of the last that has come"""
-    return np.array([1.0, *ratio])[np.searchsorted(begins, progress, side="right")]
-
-
-def power(ratio: Any, exponent: float) -> Any:
-    """ratio^exponent; 1 where the ratio is 0 and the exponent below 0"""
-    nothing = (ratio <= 0.0) & (exponent < 0.0)
-    return np.where(nothing, 1.0, np.where(nothing, 1.0, ratio) ** exponent)
-
-
-def unit(direction: Sequence[float]) -> np.ndarray:
-    """A direction as a vector of length 1"""
-    length = float(np.linalg.norm(direction))
-    if not 0.0 < length < math.inf:
-        raise UserError(f"the direction {tuple(direction)} was given; it must point somewhere.")
-    return np.asarray(direction, float) / length
-
-
-def logged(name: str, log: Log | None, loads: FacetLoads, liner: WornLiner) -> dict[str, Any]:
-    """A feature that only a log can tell, at the liner's service time"""
-    return features((name,), loads, liner) if log is None else {name: log.at(liner.service_time)}
-
-
-def require(name: str, value: float, low: float, high: float, open_below: bool = False) -> None:
-    """Refuse a coefficient outside its range, or that is not finite."""
-    if not (low <= value <= high and math.isfinite(value)) or (open_below and value == low):
-        above = (
-            f"above {low:g}"
-            if open_below
-            else f"{low:g} or more"
-            if high == math.inf
-            else f"{low:g} to {high:g}"
-        )
-        raise UserError(f"{name} is {value!r}; it must be {'finite' if low == -math.inf else above}.")
-
-
-def require_steps(name: str, at: Sequence[float], value: Sequence[float], count: int) -> None:
-    """Refuse lists of different lengths, without entries, that do not rise, or with values below 0 or not finite."""
-    rising = all(a < b for a, b in zip(at, at[1:], strict=False))
-    if not count or len(value) != count or not rising or not np.isfinite([*at, *value]).all():
-        raise UserError(
-            f"{name} was given {list(at)} and {list(value)}; it needs as many values as places, at least one, "
-            "finite, at places that rise."
-        )

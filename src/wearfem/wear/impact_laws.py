@@ -15,6 +15,8 @@ import numpy as np
 from wearfem.loads import FacetLoads
 from wearfem.wear.laws import per_area_and_time, require_number
 
+ROUNDING = 1e-12  # [rad] angle x ln(speed), below which a spread is what rounding leaves of none
+
 
 @dataclass(frozen=True)
 class ImpactPoints:
@@ -32,37 +34,37 @@ class ImpactPoints:
 
 
 def impact_points(loads: FacetLoads) -> ImpactPoints:
-    """Four points for each class of impacts that has any, at mean plus and minus standard deviation of angle and of ln(speed).
+    """Four points for each class of impacts that has any, about its means of angle and of ln(speed).
 
-    Mean and deviation are weighted by energy, so moments of order 0, 1 and 2 of the class in angle and in ln(speed) are kept; what is
-    lost is the law's third derivative within one class, and how angle and speed go together within it. `wearfem verify wear_laws`
-    shows the error. Loads that hold no moments are stood for by the middle of each class, geometric for speed: good for a first
-    look only.
+    Weighted by energy, they keep the means, the variances and the covariance of angle and ln(speed) within the class; what is lost is
+    the law's third derivative within one class. `wearfem verify wear_laws` shows the error. Loads that hold no moments are stood for by
+    the middle of each class, geometric for speed: good for a first look only.
     """
     energy = loads.impact_energy
     block, facet, a, v = np.nonzero(energy)
     weight = energy[block, facet, a, v]
     place = block * loads.facet_count + facet
     shape = (loads.block_count, loads.facet_count)
-    if loads.impact_angle is None or loads.impact_log_speed is None:
+    if loads.impact_moment is None:
         edge = np.radians(loads.angle_edge)
         speed = np.sqrt(loads.speed_edge[1:] * loads.speed_edge[:-1])
         return ImpactPoints(place, weight, 0.5 * (edge[1:] + edge[:-1])[a], speed[v], shape)
-    angle, angle_spread = _mean_and_deviation(loads.impact_angle[block, facet, a, v], weight)
-    log_speed, log_spread = _mean_and_deviation(loads.impact_log_speed[block, facet, a, v], weight)
+    moment = loads.impact_moment[block, facet, a, v] / weight[:, None]
+    angle, log_speed = moment[:, 0], moment[:, 2]
+    angle_spread = np.sqrt(np.maximum(moment[:, 1] - angle**2, 0.0))
+    log_spread = np.sqrt(np.maximum(moment[:, 3] - log_speed**2, 0.0))
+    both = angle_spread * log_spread
+    tied = np.divide(moment[:, 4] - angle * log_speed, both, out=np.zeros_like(both), where=both > ROUNDING)
+    tied = np.clip(tied, -1.0, 1.0)
+    free = np.sqrt(1.0 - tied**2)
+    sides = ((-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0))
     return ImpactPoints(
         np.tile(place, 4),
         np.tile(0.25 * weight, 4),
-        np.clip(np.concatenate([angle + side * angle_spread for side in (-1, -1, 1, 1)]), 0.0, 0.5 * math.pi),
-        np.exp(np.concatenate([log_speed + side * log_spread for side in (-1, 1, -1, 1)])),
+        np.clip(np.concatenate([angle + p * angle_spread for p, _ in sides]), 0.0, 0.5 * math.pi),
+        np.exp(np.concatenate([log_speed + (p * tied + q * free) * log_spread for p, q in sides])),
         shape,
     )
-
-
-def _mean_and_deviation(moment: np.ndarray, weight: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Of a quantity whose weighted sums of first and second power are `moment` (n, 2)."""
-    mean = moment[:, 0] / weight
-    return mean, np.sqrt(np.maximum(moment[:, 1] / weight - mean**2, 0.0))
 
 
 class ImpactLaw:
