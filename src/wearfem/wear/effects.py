@@ -25,7 +25,7 @@ class HardnessGradient(FactorEffect):
     more, to surface-hardened ones; hardness alone does not set the wear of all steels, hence m.
     """
 
-    needs: ClassVar = ("depth",)
+    needs: ClassVar[tuple[str, ...]] = ("depth",)
     loss: float  # [1/m] g, part of the surface's hardness lost with depth; below 0 for a gain
     core: float = 0.3  # [-] least hardness over that of the surface
     exponent: float = 1.0  # [-] m
@@ -48,7 +48,7 @@ class Overlay(FactorEffect):
     layer; several layers are several overlays, each with the ratio to the layer above.
     """
 
-    needs: ClassVar = ("depth",)
+    needs: ClassVar[tuple[str, ...]] = ("depth",)
     thickness: float  # [m] of the layer
     ratio: float  # [-] rate below over rate in the layer
     transition: float = 0.0  # [m] width of the mixed zone about the border
@@ -76,7 +76,7 @@ class RunningIn(FactorEffect):
     scale, roughness, weld beads.
     """
 
-    needs: ClassVar = ("depth",)
+    needs: ClassVar[tuple[str, ...]] = ("depth",)
     excess: float  # [-] A, rate when new over the later rate, less 1
     depth: float  # [m] d0
 
@@ -96,7 +96,7 @@ class RunningInByThroughput(FactorEffect):
     **Source** as `RunningIn`. **Valid for** places that are all exposed alike; where exposure differs, depth is the better clock.
     """
 
-    needs: ClassVar = ("throughput",)
+    needs: ClassVar[tuple[str, ...]] = ("throughput",)
     excess: float  # [-] A
     throughput: float  # [kg] M0
 
@@ -118,7 +118,7 @@ class WorkHardening(FactorEffect):
     changed much before.
     """
 
-    needs: ClassVar = ("impact_work",)
+    needs: ClassVar[tuple[str, ...]] = ("impact_work",)
     gain: float  # [-] g, part of the rate that hardening saves in the end
     work: float  # [J/m2] w0
 
@@ -140,7 +140,7 @@ class WorkHardeningByDepth(FactorEffect):
     apart.
     """
 
-    needs: ClassVar = ("depth",)
+    needs: ClassVar[tuple[str, ...]] = ("depth",)
     gain: float  # [-] g
     depth: float  # [m] d0
 
@@ -164,7 +164,7 @@ class OreChange(FactorEffect):
     alike.
     """
 
-    needs: ClassVar = ("throughput",)
+    needs: ClassVar[tuple[str, ...]] = ("throughput",)
     throughput: tuple[float, ...]  # [kg] rising
     ratio: tuple[float, ...]  # [-] rate over that of the first ore
 
@@ -180,7 +180,7 @@ class OreChange(FactorEffect):
 class OreChangeByTime(FactorEffect):
     """Another ore from a time on: factor 1, then `ratio[i]` from `service_time[i]` on. **Source**, **Valid for** as `OreChange`."""
 
-    needs: ClassVar = ("service_time",)
+    needs: ClassVar[tuple[str, ...]] = ("service_time",)
     service_time: tuple[float, ...]  # [s] rising
     ratio: tuple[float, ...]  # [-]
 
@@ -200,7 +200,7 @@ class OreHardness(FactorEffect):
     2.1 times as hard as the steel (SSAB); across it the rate jumps.
     """
 
-    needs: ClassVar = ("ore_hardness",)
+    needs: ClassVar[tuple[str, ...]] = ("ore_hardness",)
     exponent: float  # [-] m
     reference: float  # [Pa] H0
     log: Log | None = None  # of ore hardness [Pa], for a run
@@ -227,7 +227,7 @@ class Temperature(FactorEffect):
     Celsius).
     """
 
-    needs: ClassVar = ("temperature",)
+    needs: ClassVar[tuple[str, ...]] = ("temperature",)
     softening: float  # [1/K] b
     reference: float  # [K or degrees Celsius, like the log] T0
     log: Log | None = None  # of temperature, for a run
@@ -282,7 +282,7 @@ class PressureExponent(FactorEffect):
     the mean over the facet, which is below that in the contacts. Where nothing presses the factor is 1 (n < 1) or 0.
     """
 
-    needs: ClassVar = ("pressure",)
+    needs: ClassVar[tuple[str, ...]] = ("pressure",)
     exponent: float  # [-] n
     reference: float  # [Pa] p0
 
@@ -303,7 +303,7 @@ class SpeedExponent(FactorEffect):
     range of speed that m was fitted in. Where nothing slips the factor is 1 (m < 0) or 0.
     """
 
-    needs: ClassVar = ("slip_speed",)
+    needs: ClassVar[tuple[str, ...]] = ("slip_speed",)
     exponent: float  # [-] m
     reference: float  # [m/s] v0
 
@@ -324,7 +324,7 @@ class ImpactAngleCurve(FactorEffect):
     one side: the mean angle of a facet stands for all impacts on it; a law of impact that knows the angle does better.
     """
 
-    needs: ClassVar = ("impact_angle",)
+    needs: ClassVar[tuple[str, ...]] = ("impact_angle",)
     angle: tuple[float, ...]  # [rad] rising, 0 grazing
     ratio: tuple[float, ...]  # [-]
 
@@ -346,7 +346,7 @@ class SlipShare(FactorEffect):
     for** flow in one direction; in flow to and fro the impulses cancel and grains seem to roll.
     """
 
-    needs: ClassVar = ("mobilised_friction",)
+    needs: ClassVar[tuple[str, ...]] = ("mobilised_friction",)
     rolling_ratio: float  # [-]
     friction: float  # [-] coefficient of grain on liner
 
@@ -371,7 +371,7 @@ class BuildUp(FactorEffect):
     transition.
     """
 
-    needs: ClassVar = ("position", "throughput")
+    needs: ClassVar[tuple[str, ...]] = ("position", "throughput")
     centre: tuple[float, float, float]  # [m]
     radius: float  # [m]
     ratio: float = 0.0  # [-]
@@ -394,7 +394,7 @@ class DeadZone(FactorEffect):
     **Source**, **Valid for** as `BuildUp`; here the flow says where. Facets that nothing touches count as slow.
     """
 
-    needs: ClassVar = ("slip_speed",)
+    needs: ClassVar[tuple[str, ...]] = ("slip_speed",)
     slip_speed: float  # [m/s]
     ratio: float = 0.0  # [-]
 
@@ -415,7 +415,7 @@ class LateralBias(FactorEffect):
     alike but does not grow.
     """
 
-    needs: ClassVar = ("position",)
+    needs: ClassVar[tuple[str, ...]] = ("position",)
     slope: float  # [1/m] s
     side: tuple[float, float, float]  # direction across the flow
     centre: tuple[float, float, float] = (0.0, 0.0, 0.0)  # [m] x0, on the middle line
@@ -437,7 +437,7 @@ class AngularityLoss(FactorEffect):
     flow keeps its direction; s is measured along a straight line, shorter than the way around a bend.
     """
 
-    needs: ClassVar = ("position",)
+    needs: ClassVar[tuple[str, ...]] = ("position",)
     length: float  # [m] s0
     along: tuple[float, float, float]  # direction of the flow
     start: tuple[float, float, float] = (0.0, 0.0, 0.0)  # [m]
