@@ -158,9 +158,10 @@ class Oka(ImpactLaw):
     V = m E90 (v/v')^k2 (D/D')^k3 g(a),  g = (sin a)^n1 (1 + H (1 - sin a))^n2,  H Vickers hardness in GPa.
 
     **Source** Oka, Okamura and Yoshida, Wear 259 (2005) 95-101, and Oka and Yoshida, ibid. 102-109; v' = 104 m/s and D' = 326 um. The
-    exponents of silica sand are in `sand_on_metal`. Checked against the manuals of EDEM and Fluent, not against the papers themselves.
-    **Valid for** erosion of metals by hard grains of 0.05 to 3 mm at some 50 to 170 m/s; at the speeds of chutes v^k2 is an
-    extrapolation, so fit E90 to the plant. Particles of all sizes are counted with the one `diameter`.
+    exponents of silica sand are in `sand_on_metal`. Constants as the manuals of
+    EDEM and Fluent print them; not checked against the papers themselves.
+    **Valid for** erosion of metals by hard grains of the order of 0.3 mm and 100 m/s; for chutes both powers are extrapolations, so fit
+    E90 to the plant. Particles of all sizes are counted with the one `diameter`.
     """
 
     volume_per_mass: float  # [m3/kg] E90 at the reference speed and diameter (papers give mm3/kg, 1e-9 of it)
@@ -211,9 +212,9 @@ class DNV(ImpactLaw):
 
     The unit of K belongs to its n: it is the eroded mass over the mass that hits, at 1 m/s.
 
-    **Source** DNVGL-RP-O501 (2015), ductile materials; steel K = 2e-9 (m/s)^-n, n = 2.6, rho = 7850 kg/m3. Checked against the open code
-    pysand, not against the text of the practice.
-    **Valid for** ductile metals under silica sand, 5 to 200 m/s. Below that speed, as in most chutes, v^n is an extrapolation.
+    **Source** DNVGL-RP-O501 (2015), ductile materials; steel K = 2e-9 (m/s)^-n, n = 2.6, rho = 7850 kg/m3. Constants as in
+    the open code pysand; not checked against the text of the practice.
+    **Valid for** ductile metals under silica sand, up to 200 m/s; at the speeds of chutes v^n extrapolates from tests at tens of m/s.
     """
 
     coefficient: float = 2e-9  # [(m/s)^-n] K
