@@ -62,7 +62,7 @@ def formulas() -> Iterator[Claim]:
     )  # fmt: skip
     best = minimize_scalar(lambda a: -float(DNV.angle_factor(a)), bounds=(0.2, 1.2), method="bounded")
     yield Claim(
-        f"DNV, largest angle factor, at {math.degrees(best.x):.0f} degrees", "an angle factor of RP-O501 is 1 at its largest (as open codes tell it)", 1.0,
+        f"DNV, largest angle factor, at {math.degrees(best.x):.0f} degrees", "an angle factor of RP-O501 is 1 at its largest", 1.0,
         -float(best.fun), "-", 0.02, False, "the printed constants have two digits",
     )  # fmt: skip
     oka = Oka.sand_on_metal(60e-9, 1.8e9, 326e-6)
