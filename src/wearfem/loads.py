@@ -1,21 +1,24 @@
 """What the particles did to each facet, in blocks of time: the second noun that particles, liner and wear share."""
 
-from dataclasses import dataclass, field
+from dataclasses import MISSING, dataclass, field
 from typing import Any
 
 import numpy as np
 
 
-def _array(unit: str, shape: str, text: str) -> Any:
+def _array(unit: str, shape: str, text: str, default: Any = MISSING) -> Any:
     """A field whose unit, shape and meaning travel with it into files."""
-    return field(metadata={"unit": unit, "shape": shape, "text": text})
+    return field(default=default, metadata={"unit": unit, "shape": shape, "text": text})
 
 
 @dataclass(frozen=True)
 class FacetLoads:
     """Sufficient statistics by block b and facet f: any wear law can be evaluated on them without running the particles again.
 
-    Vectors are in the frame of the facet's body, forces are those on the surface. An impact is the first touch of a contact.
+    Vectors are in the frame of the facet's body, forces are those on the surface. An impact is the first touch of a contact: its
+    energy is that of the particle's centre as the surface sees it, its angle (0 grazing, 90 degrees normal) and speed are those of the
+    point that touches. Mean and spread of angle and speed within a class follow from `impact_moment`; loads without it are looked at as
+    if every impact lay in the middle of its class.
     """
 
     duration: np.ndarray = _array("s", "(b,)", "length of each block")
@@ -39,6 +42,12 @@ class FacetLoads:
     angle_edge: np.ndarray = _array("degree", "(a + 1,)", "borders of the impact angle classes, 0 grazing")
     speed_edge: np.ndarray = _array(
         "m/s", "(v + 1,)", "borders of the speed classes; the end classes are open"
+    )
+    impact_moment: np.ndarray | None = _array(
+        "J rad, J rad2, J, J, J rad",
+        "(b, f, a, v, 5)",
+        "impact energy times angle, angle^2, l, l^2 and angle x l, with l = ln(speed in m/s)",
+        None,
     )
 
     @property

@@ -29,9 +29,11 @@ from wearfem.dem.steps import (
     wrap,
 )
 from wearfem.dem.tally import (
+    ANGLE,
     ANGLE_CLASSES,
     CONTACTS,
     CUSTOM,
+    ENERGY,
     FRICTION_WORK,
     LOAD_DISTANCE,
     NORMAL,
@@ -401,6 +403,7 @@ def sample(
 def _loads(model: Model, blocks: Sequence[Tally], durations: Sequence[float]) -> FacetLoads:
     """Blocks of sums as facet loads."""
     sums = np.stack([block.sums for block in blocks])
+    impact = np.stack([block.impact for block in blocks])
     area = [surface.facet_area for surface in model.surfaces]
     return FacetLoads(
         duration=np.array(durations),
@@ -415,8 +418,9 @@ def _loads(model: Model, blocks: Sequence[Tally], durations: Sequence[float]) ->
         custom=sums[..., CUSTOM],
         force_time=np.stack([block.force_time for block in blocks]),
         force_slip=np.stack([block.force_slip for block in blocks]),
-        impact_energy=np.stack([block.impact_energy for block in blocks]),
+        impact_energy=impact[..., ENERGY].copy(),
         force_edge=force_edges(),
         angle_edge=np.linspace(0.0, 90.0, ANGLE_CLASSES + 1),
         speed_edge=speed_edges(),
+        impact_moment=impact[..., ANGLE:].copy(),
     )

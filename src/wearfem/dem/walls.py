@@ -17,6 +17,9 @@ from wearfem.dem.tally import (
     CUSTOM,
     FORCE_CLASSES,
     FRICTION_WORK,
+    IMPACT_ANGLE,
+    IMPACT_ENERGY,
+    IMPACT_LOG_SPEED,
     LOAD_DISTANCE,
     LOWEST_FORCE,
     LOWEST_SPEED,
@@ -24,9 +27,9 @@ from wearfem.dem.tally import (
     NORMAL,
     SLIP,
     SPEED_CLASSES,
-    SUMS,
     TANGENTIAL,
     TIME,
+    decade,
     half_decade,
 )
 from wearfem.dem.wall_list import DIRECTION, ITEM, MEMORY, MOST_TOUCHING, POINT, RECORD, SHARE
@@ -216,13 +219,13 @@ def _leave_loads(
     pressing = answer.normal_force * part
     friction = norm(answer.fx, answer.fy, answer.fz) * part
     force_class = half_decade(pressing, LOWEST_FORCE, FORCE_CLASSES)
-    angle_class, speed_class = 0, 0
+    angle, log_speed, angle_class, speed_class = 0.0, 0.0, 0, 0
     if fresh:
-        angle = math.degrees(math.atan2(max(approach, 0.0), sliding))
-        angle_class = min(int(angle * ANGLE_CLASSES / 90.0), ANGLE_CLASSES - 1)
-        speed_class = half_decade(
-            math.sqrt(sliding * sliding + approach * approach), LOWEST_SPEED, SPEED_CLASSES
-        )
+        angle = math.atan2(max(approach, 0.0), sliding)
+        speed = max(math.sqrt(sliding * sliding + approach * approach), LOWEST_SPEED)
+        log_speed = math.log(speed)
+        angle_class = min(int(math.degrees(angle) * ANGLE_CLASSES / 90.0), ANGLE_CLASSES - 1)
+        speed_class = decade(speed, LOWEST_SPEED, SPEED_CLASSES)
     ties = 1
     if count > 1:
         ties = 0
@@ -243,7 +246,8 @@ def _leave_loads(
             tally.entry[e, TIME] = time_step * portion
             tally.entry[e, CONTACTS] = portion if fresh else 0.0
             tally.entry[e, CUSTOM] = custom.amount(pressing, friction, sliding, approach, time_step) / ties
-            tally.entry[e, SUMS] = energy * portion
+            tally.entry[e, IMPACT_ENERGY] = energy * portion
+            tally.entry[e, IMPACT_ANGLE], tally.entry[e, IMPACT_LOG_SPEED] = angle, log_speed
             tally.where[e, 0] = geometry.facet[item[b]]
             tally.where[e, 1], tally.where[e, 2], tally.where[e, 3] = force_class, angle_class, speed_class
 
