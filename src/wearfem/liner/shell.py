@@ -91,9 +91,9 @@ def gravity_load(
 ) -> np.ndarray:
     """Nodal forces and moments (n, 6) [N, N m] of the shell's own weight, which acts in the middle surface; `gravity` in m/s2."""
     middle = middle_surface(mesh)
-    share = thickness_moments(
-        area_of(axes_of(middle[mesh.element])[1]), mesh.thickness[mesh.element], 1
-    ).sum(axis=2)
+    share = thickness_moments(area_of(axes_of(middle[mesh.element])[1]), mesh.thickness[mesh.element], 1).sum(
+        axis=2
+    )
     mass = material.density * np.bincount(mesh.element.ravel(), share.ravel(), len(mesh.node))
     nodal = mass[:, None] * np.asarray(gravity)
     return np.hstack([nodal, np.cross(middle - mesh.node, nodal)])

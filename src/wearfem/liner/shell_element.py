@@ -79,7 +79,9 @@ def membrane_strain(xy: np.ndarray, poisson_ratio: float) -> tuple[np.ndarray, n
     x, y = xy[:, :, 0], xy[:, :, 1]
 
     uniform = np.zeros((count, 3, 9))
-    rotation = np.zeros((count, 3, 9))  # hierarchical corner rotations: theta_i less the rotation of the sides
+    rotation = np.zeros(
+        (count, 3, 9)
+    )  # hierarchical corner rotations: theta_i less the rotation of the sides
     alpha = 1.5
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3
@@ -138,7 +140,8 @@ def plate_strain(
     area = area_of(xy)
     x, y = xy[:, :, 0], xy[:, :, 1]
     slope = np.stack(
-        [np.stack([y[:, j] - y[:, k], x[:, k] - x[:, j]], axis=1) for j, k in ((1, 2), (2, 0), (0, 1))], axis=1
+        [np.stack([y[:, j] - y[:, k], x[:, k] - x[:, j]], axis=1) for j, k in ((1, 2), (2, 0), (0, 1))],
+        axis=1,
     ) / (2.0 * area[:, None, None])  # (e, corner, 2) gradients of zeta
     tangent, bow, side_shear = [], [], []
     for a, b in _SIDE:
