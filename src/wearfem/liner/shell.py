@@ -9,14 +9,16 @@ theory, right a thickness away from edges, point loads and steps of thickness.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array
+from scipy import sparse
 
 from wearfem.errors import UserError
 from wearfem.liner.liner import node_normal, worn_face
-from wearfem.liner.mesh import ShellMesh
+from wearfem.liner.mesh import ShellMesh, group_of
 from wearfem.liner.shell_element import (
+    ALPHA,
     MEMBRANE,
     PLATE,
     SHEAR_CORRECTION,
@@ -28,9 +30,77 @@ from wearfem.liner.shell_element import (
     plate_strain,
     thickness_moments,
 )
+from wearfem.liner.strength import von_mises
 from wearfem.material import Material
 
 _AT_ONCE = 20_000  # triangles: what a block needs is some 200 MB
+
+
+@dataclass(frozen=True)
+class Shell:
+    """A shell as the solver sees it: see `body.Body`. Its points are the nodes of the mesh.
+
+    Loads on a group of triangles act on the worn face, loads on a group of edges at the nodes; supports hold the nodes.
+    """
+
+    mesh: ShellMesh
+    material: Material
+
+    freedom = 6  # degrees of freedom of a point: displacement, rotation vector
+    direct_limit = (
+        1_000_000  # [degrees of freedom] factors of surfaces stay thin: 4 GB and a minute at 600 000
+    )
+
+    @property
+    def point(self) -> np.ndarray:
+        """(n, 3) [m]"""
+        return self.mesh.node
+
+    @property
+    def interpolation(self) -> sparse.csr_matrix:
+        """(n, n) from nodes to points: the same"""
+        return sparse.identity(len(self.mesh.node), format="csr")
+
+    @cached_property
+    def stiffness(self) -> sparse.csr_matrix:
+        """(6 n, 6 n) see `shell_stiffness`"""
+        return shell_stiffness(self.mesh, self.material)
+
+    @cached_property
+    def rigid_motions(self) -> np.ndarray:
+        """(n, 6, 6) translations along x, y, z and rotations about the axes x, y, z through the origin"""
+        motion = np.tile(np.eye(6), (len(self.mesh.node), 1, 1))
+        motion[:, :3, 3:] = np.cross(np.eye(3), self.mesh.node[:, None]).transpose(0, 2, 1)
+        return motion
+
+    def share(self, group: str) -> tuple[sparse.csr_matrix, np.ndarray]:
+        """Even shares (n, k) of the nodes in each triangle or edge of a group, and their areas [m2] or lengths [m] (k,)."""
+        corner = group_of(self.mesh, group)
+        count, corners = corner.shape
+        column = np.repeat(np.arange(count), corners)
+        share = sparse.csr_matrix(
+            (np.full(corner.size, 1.0 / corners), (corner.ravel(), column)),
+            shape=(len(self.mesh.node), count),
+        )
+        place = self.mesh.node[corner]
+        if corners == 2:
+            return share, np.linalg.norm(place[:, 1] - place[:, 0], axis=1)
+        return share, area_of(axes_of(place)[1])
+
+    def load(self, group: str, force: np.ndarray) -> np.ndarray:
+        """(n, 6) loads of forces (k, 3) [N] spread evenly over triangles of the worn face, or over edges"""
+        corner = group_of(self.mesh, group)
+        return (edge_load if corner.shape[1] == 2 else face_load)(self.mesh, corner, force)
+
+    def weight(self, gravity: np.ndarray) -> np.ndarray:
+        """(n, 6) see `gravity_load`"""
+        return gravity_load(self.mesh, self.material, gravity)
+
+    def stress(self, displacement: np.ndarray) -> np.ndarray:
+        """(n, 3, 3) [Pa] at the nodes, on the face, worn or back, where the von Mises stress is higher"""
+        section = resultants(self.mesh, self.material, displacement)
+        worn, back = (at_nodes(self.mesh, section.stress(height)) for height in (0.5, -0.5))
+        return np.where((von_mises(worn) >= von_mises(back))[:, None, None], worn, back)
 
 
 def middle_surface(mesh: ShellMesh) -> np.ndarray:
@@ -38,7 +108,7 @@ def middle_surface(mesh: ShellMesh) -> np.ndarray:
     return mesh.node + mesh.offset[:, None] * node_normal(mesh)
 
 
-def shell_stiffness(mesh: ShellMesh, material: Material) -> csr_array:
+def shell_stiffness(mesh: ShellMesh, material: Material) -> sparse.csr_matrix:
     """The stiffness (6 n, 6 n) of a shell; row 6 i + c is component c of node i.
 
     Raises
@@ -61,35 +131,45 @@ def shell_stiffness(mesh: ShellMesh, material: Material) -> csr_array:
     freedom = (6 * mesh.element[:, :, None] + np.arange(6)).reshape(count, 18).astype(np.int32)
     row, column = np.repeat(freedom, 18, axis=1), np.tile(freedom, (1, 18))
     size = 6 * len(mesh.node)
-    return coo_array((block.ravel(), (row.ravel(), column.ravel())), shape=(size, size)).tocsr()
+    return sparse.coo_matrix((block.ravel(), (row.ravel(), column.ravel())), shape=(size, size)).tocsr()
 
 
-def facet_load(mesh: ShellMesh, force: np.ndarray) -> np.ndarray:
-    """Nodal forces and moments (n, 6) [N, N m] of forces (f, 3) [N] on the facets of `mesh.wear`, which act on the worn face.
+def face_load(mesh: ShellMesh, facet: np.ndarray, force: np.ndarray) -> np.ndarray:
+    """Nodal forces and moments (n, 6) [N, N m] of forces (k, 3) [N] spread over triangles (k, 3) of the worn face.
 
-    A third of a force goes to each corner of its facet there, and from the worn face to the node: F_i and r_i x F_i,
-    r_i = (offset + thickness / 2) x normal. Force, and moment about any point, are those of the forces at the facets' centroids.
+    A third of a force goes to each corner of its triangle there, and from the worn face to the node: F_i and r_i x F_i,
+    r_i = (offset + thickness / 2) x normal. Force, and moment about any point, are those of the forces at the triangles' centroids.
     """
-    if np.shape(force) != (len(mesh.wear), 3):
-        raise UserError(
-            f"{mesh.name}: forces of shape {np.shape(force)} were given; its {len(mesh.wear)} facets that wear need ({len(mesh.wear)}, 3)."
-        )
     nodal = np.zeros_like(mesh.node)
-    np.add.at(nodal, mesh.wear, np.repeat(force[:, None] / 3.0, 3, axis=1))
+    np.add.at(nodal, facet, np.repeat(force[:, None] / 3.0, 3, axis=1))
     return np.hstack([nodal, np.cross(worn_face(mesh) - mesh.node, nodal)])
+
+
+def edge_load(mesh: ShellMesh, edge: np.ndarray, force: np.ndarray) -> np.ndarray:
+    """Nodal forces and moments (n, 6) [N, N m] of forces (k, 3) [N] spread over edges (k, 2) of the border, at the nodes.
+
+    Half of a force goes to each end. Edges bow when their ends turn in the plane, so the part of the force across the edge, F_b, makes
+    moments -/+ alpha_b / 12 F_b l about the normal, equal and opposite at the ends (Felippa 2003, consistent lumping).
+    """
+    load = np.zeros((len(mesh.node), 6))
+    np.add.at(load[:, :3], edge, np.repeat(force[:, None] / 2.0, 2, axis=1))
+    along = mesh.node[edge[:, 1]] - mesh.node[edge[:, 0]]
+    normal = node_normal(mesh)[edge].sum(axis=1)
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    moment = ALPHA / 12.0 * np.einsum("ki,ki->k", np.cross(along, normal), force)[:, None] * normal
+    np.add.at(load[:, 3:], edge, np.stack([-moment, moment], axis=1))
+    return load
 
 
 def pressure_load(mesh: ShellMesh, pressure: np.ndarray | float) -> np.ndarray:
     """Nodal forces and moments (n, 6) [N, N m] of a pressure (f,) [Pa] that presses on the worn face where it is now."""
     a, b, c = np.moveaxis(worn_face(mesh)[mesh.wear], 1, 0)
     area = 0.5 * np.cross(b - a, c - a)  # vector, into the flow
-    return facet_load(mesh, -area * np.broadcast_to(pressure, len(area))[:, None])
+    return face_load(mesh, mesh.wear, -area * np.broadcast_to(pressure, len(area))[:, None])
 
 
-def gravity_load(
-    mesh: ShellMesh, material: Material, gravity: tuple[float, float, float] = (0.0, 0.0, -9.81)
-) -> np.ndarray:
-    """Nodal forces and moments (n, 6) [N, N m] of the shell's own weight, which acts in the middle surface; `gravity` in m/s2."""
+def gravity_load(mesh: ShellMesh, material: Material, gravity: np.ndarray) -> np.ndarray:
+    """Nodal forces and moments (n, 6) [N, N m] of the shell's own weight, which acts in the middle surface; `gravity` (3,) in m/s2."""
     middle = middle_surface(mesh)
     share = thickness_moments(area_of(axes_of(middle[mesh.element])[1]), mesh.thickness[mesh.element], 1).sum(
         axis=2

@@ -15,6 +15,7 @@ from skfem.quadrature import get_quadrature_tri
 
 MEMBRANE = np.array([0, 1, 5, 6, 7, 11, 12, 13, 17])  # u, v, theta_z of the corners, among the 18
 PLATE = np.array([2, 3, 4, 8, 9, 10, 14, 15, 16])  # w, theta_x, theta_y of the corners
+ALPHA = 1.5  # of the drilling rotations' share in the sides' displacement: alpha_b of Felippa (2003)
 SHEAR_CORRECTION = 5.0 / 6.0  # of the transverse shear of a homogeneous section, Reissner (1945)
 
 _SIDE = ((0, 1), (1, 2), (2, 0))  # from corner, to corner
@@ -82,7 +83,6 @@ def membrane_strain(xy: np.ndarray, poisson_ratio: float) -> tuple[np.ndarray, n
     rotation = np.zeros(
         (count, 3, 9)
     )  # hierarchical corner rotations: theta_i less the rotation of the sides
-    alpha = 1.5
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3
         yjk, xkj = y[:, j] - y[:, k], x[:, k] - x[:, j]
@@ -90,9 +90,9 @@ def membrane_strain(xy: np.ndarray, poisson_ratio: float) -> tuple[np.ndarray, n
         xki, xij = x[:, k] - x[:, i], x[:, i] - x[:, j]
         uniform[:, 0, 3 * i] = uniform[:, 2, 3 * i + 1] = yjk
         uniform[:, 1, 3 * i + 1] = uniform[:, 2, 3 * i] = xkj
-        uniform[:, 0, 3 * i + 2] = alpha / 6.0 * yjk * (yik - yji)
-        uniform[:, 1, 3 * i + 2] = alpha / 6.0 * xkj * (xki - xij)
-        uniform[:, 2, 3 * i + 2] = alpha / 3.0 * (xki * yik - xij * yji)
+        uniform[:, 0, 3 * i + 2] = ALPHA / 6.0 * yjk * (yik - yji)
+        uniform[:, 1, 3 * i + 2] = ALPHA / 6.0 * xkj * (xki - xij)
+        uniform[:, 2, 3 * i + 2] = ALPHA / 3.0 * (xki * yik - xij * yji)
         rotation[:, :, 3 * i] = (xkj / (4.0 * area))[:, None]
         rotation[:, :, 3 * i + 1] = (-yjk / (4.0 * area))[:, None]
         rotation[:, i, 3 * i + 2] += 1.0

@@ -42,7 +42,9 @@ class Solid:
     material: Material
 
     freedom = 3  # degrees of freedom of a point: displacement in x, y, z
-    direct_limit = 60_000  # [degrees of freedom] above it, multigrid is faster than factors and takes less memory
+    direct_limit = (
+        60_000  # [degrees of freedom] above it, multigrid is faster than factors and takes less memory
+    )
 
     def __post_init__(self) -> None:
         if self.material.poisson_ratio >= 0.5:
@@ -121,7 +123,9 @@ class Solid:
         """
         whole = self._basis
         facet = _find(group_of(self.mesh, group), whole.mesh.facets.T)
-        basis = FacetBasis(whole.mesh, whole.elem, facets=facet, intorder=4, dofs=whole.dofs, disable_doflocs=True)
+        basis = FacetBasis(
+            whole.mesh, whole.elem, facets=facet, intorder=4, dofs=whole.dofs, disable_doflocs=True
+        )
         value = np.stack([np.broadcast_to(field[0].value, basis.dx.shape) for field in basis.basis])
         area = basis.dx.sum(axis=1)
         weight = (value * basis.dx).sum(axis=2) / area

@@ -9,7 +9,7 @@ from scipy.sparse.linalg import splu
 
 from wearfem.liner.block import Cut, Rising, mapped, sheet
 from wearfem.liner.mesh import ShellMesh
-from wearfem.liner.shell import gravity_load, pressure_load, shell_stiffness
+from wearfem.liner.shell import edge_load, gravity_load, pressure_load, shell_stiffness
 from wearfem.material import Material
 
 U, V, W, TURN_X, TURN_Y, TURN_Z = range(6)
@@ -53,7 +53,7 @@ def hold(mesh: ShellMesh, *edges: tuple[str, tuple[int, ...]]) -> np.ndarray:
     """(n, 6) the components that are held, by groups of edges"""
     held = np.zeros((len(mesh.node), 6), bool)
     for name, components in edges:
-        held[np.ix_(np.unique(mesh.group[name]), components)] = True
+        held[np.unique(mesh.group[name])[:, None], np.array(components)] = True
     return held
 
 
@@ -79,7 +79,7 @@ def scordelis_lo(cells: int, cut: Cut = Rising) -> float:
     mesh = mapped(flat, lambda p: np.stack([25.0 * np.sin(p[:, 0]), p[:, 1], 25.0 * np.cos(p[:, 0])], axis=1))
     held = hold(mesh, ("x_low", MIRROR_X), ("y_high", MIRROR_Y), ("y_low", (U, W)))
     material = elastic(4.32e8, 0.0, density=360.0)  # 360 * 0.25 = 90 a unit of area
-    load = gravity_load(mesh, material, (0.0, 0.0, -1.0))
+    load = gravity_load(mesh, material, np.array([0.0, 0.0, -1.0]))
     moved = Problem(mesh, material, held, load).displacement()
     return float(-moved[node_at(flat, math.radians(40.0), 25.0), W])
 
@@ -124,9 +124,8 @@ def twisted_beam(cells: int, cut: Cut = Rising, *, thickness: float, force: floa
     """
     flat = sheet((0.0, -0.55), (12.0, 0.55), (cells, cells), thickness, cut)
     mesh = mapped(flat, _twist)
-    load = np.zeros((len(mesh.node), 6))
     edge = mesh.group["x_high"]
-    np.add.at(load[:, along], edge, 0.5 * force / len(edge))
+    load = edge_load(mesh, edge, np.tile(force / len(edge) * np.eye(3)[along], (len(edge), 1)))
     moved = Problem(mesh, elastic(29e6, 0.22), hold(mesh, ("x_low", ALL)), load).displacement()
     return float(moved[node_at(flat, 12.0, 0.0), along])
 
@@ -199,12 +198,11 @@ def cantilever(
     cells: tuple[int, int],
     thickness: Callable[[np.ndarray], np.ndarray],
     offset: Callable[[np.ndarray], np.ndarray],
-    force: tuple[float, ...],
+    force: tuple[float, float, float],
 ) -> Problem:
-    """A cantilever 1 m long and 0.1 m wide, E 1e9 and nu 0, its tip edge loaded by `force` (6,) [N, N m] at the nodes."""
+    """A cantilever 1 m long and 0.1 m wide, E 1e9 and nu 0, its tip edge loaded by `force` [N] at the nodes."""
     mesh = sheet((0.0, 0.0), (1.0, 0.1), cells, 1.0)
     mesh = replace(mesh, thickness=thickness(mesh.node[:, 0]), offset=offset(mesh.node[:, 0]))
-    load = np.zeros((len(mesh.node), 6))
     edge = mesh.group["x_high"]
-    np.add.at(load, edge, 0.5 * np.asarray(force) / len(edge))
+    load = edge_load(mesh, edge, np.tile(np.array(force) / len(edge), (len(edge), 1)))
     return Problem(mesh, elastic(1e9, 0.0), hold(mesh, ("x_low", ALL)), load)
