@@ -6,10 +6,13 @@ from dataclasses import replace
 import numpy as np
 from scipy.integrate import quad
 
-from wearfem.liner.block import Falling, Rising, sheet
+from wearfem.liner.block import Falling, Hexahedra, Rising, block, mapped, sheet
+from wearfem.liner.liner import Liner, worn_face
 from wearfem.liner.mesh import ShellMesh
 from wearfem.liner.shell import at_nodes, resultants, shell_stiffness
 from wearfem.liner.shell_element import axes_of, local_stiffness
+from wearfem.liner.solve import Load, Structure, solve_elastic
+from wearfem.liner.support import Fixed, X, Y, Z
 from wearfem.proof import Claim
 from wearfem.proofs._shell_problems import (
     ALL,
@@ -24,6 +27,7 @@ from wearfem.proofs._shell_problems import (
     elastic,
     hold,
     node_at,
+    pocket,
     square_plate,
     worn_plate,
 )
@@ -31,6 +35,8 @@ from wearfem.verification.plate_theory import Plate, clamped_plate, supported_pl
 
 ROUNDING = 1e-9  # of stiffness matrices whose terms differ by a factor of 1e6
 SUPPORTED, CLAMPED = (W, TURN_X), (W, TURN_X, TURN_Y)
+STEEL = elastic(210e9, 0.3, density=7850.0)
+RIM = (Fixed("x_high"), Fixed("y_high"))
 THICKNESS = (1e-4, 1e-3, 1e-2, 0.05, 0.1, 0.2)
 
 
@@ -43,6 +49,7 @@ def claims() -> Iterator[Claim]:
     yield from cantilevers()
     yield from powers_of_thickness()
     yield from worn_pocket()
+    yield from solid_and_shell()
 
 
 def rigid_motions() -> Iterator[Claim]:
@@ -253,3 +260,49 @@ def pocket_answers(cells: int) -> dict[str, float]:
     back = at_nodes(problem.mesh, resultants(problem.mesh, problem.material, moved).stress(-0.5))
     under = node_at(problem.mesh, 0.25, 0.2)
     return {"deflection": float(-moved[under, W]), "stress on the back": float(back[under, 1, 1])}
+
+
+def solid_and_shell() -> Iterator[Claim]:
+    """A plate with a pocket in its middle, a quarter of it, as a shell and as hexahedra of quadratic displacement."""
+    shell, solid = central_pocket_shell(32), central_pocket_solid((12, 8, 2))
+    for name, unit in (("deflection", "m"), ("von Mises stress on the back", "Pa")):
+        yield Claim(
+            f"worn plate, {name} under the pocket, shell 48 x 32", "solid of 12 x 8 x 2 hexahedra", solid[name], shell[name],
+            unit, 0.02, True, "2 % is asked",
+        )  # fmt: skip
+
+
+def central_pocket_shell(cells: int) -> dict[str, float]:
+    """A quarter of a plate 0.6 x 0.4 x 0.04 m, clamped, worn to half in its middle, 0.1 MPa: what happens at the middle of the back."""
+    mesh = pocket(sheet((0.0, 0.0), (0.3, 0.2), (3 * cells // 2, cells), 0.04), 0.04, 0.02, (0.0, 0.0), 0.1)
+    corner = worn_face(mesh)[mesh.wear]
+    force = -0.5e5 * np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    supports = (*RIM, Fixed("x_low", (X,), (Y, Z)), Fixed("y_low", (Y,), (X, Z)))
+    return at_the_back(
+        Liner(mesh, STEEL), Structure(supports), Load({"wear": force}), node_at(mesh, 0.0, 0.0)
+    )
+
+
+def central_pocket_solid(cells: tuple[int, int, int]) -> dict[str, float]:
+    """The same as a solid."""
+    mesh = block((0.0, 0.0, -0.02), (0.3, 0.2, 0.02), cells, Hexahedra)
+
+    def worn(point: np.ndarray) -> np.ndarray:
+        lost = 0.02 * np.exp(-(point[:, 0] ** 2 + point[:, 1] ** 2) / 0.1**2)
+        return point - (point[:, 2] / 0.04 + 0.5)[:, None] * lost[:, None] * np.array([0.0, 0.0, 1.0])
+
+    mesh = mapped(mesh, worn)
+    corner = mesh.node[mesh.wear]
+    force = -0.5e5 * np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1])
+    supports = (*RIM, Fixed("x_low", (X,)), Fixed("y_low", (Y,)))
+    back = int(np.argmin(np.abs(mesh.node - [0.0, 0.0, -0.02]).sum(axis=1)))
+    return at_the_back(Liner(mesh, STEEL), Structure(supports), Load({"wear": force}), back)
+
+
+def at_the_back(liner: Liner, structure: Structure, load: Load, node: int) -> dict[str, float]:
+    """Deflection [m] and von Mises stress [Pa] at a node."""
+    strength = solve_elastic(liner, structure, load)
+    return {
+        "deflection": float(-strength.displacement[node, 2]),
+        "von Mises stress on the back": float(strength.von_mises[node]),
+    }
