@@ -132,13 +132,13 @@ def test_a_stiff_plate_on_two_bolts_sinks_by_force_over_stiffness():
     mesh = sheet((0.0, 0.0), (0.6, 0.4), (6, 4), 0.04)
     mesh = with_group(mesh, "bolt_1", lambda p: p[:, 0] < 0.1)
     mesh = with_group(mesh, "bolt_2", lambda p: p[:, 0] > 0.5)
-    stiff = elastic(210e15, 0.3)
+    stiff = elastic(210e12, 0.3)
     supports = (ElasticBolt("bolt_1", 1e6, 2e5), ElasticBolt("bolt_2", 1e6, 2e5))
     force = np.tile(np.array([0.5, 0.0, -1.0]) * 1000.0 / len(mesh.wear), (len(mesh.wear), 1))
     moved = solve_elastic(Liner(mesh, stiff), Structure(supports), Load({"wear": force})).displacement
     middle = moved[np.argmin(np.hypot(mesh.node[:, 0] - 0.3, mesh.node[:, 1] - 0.2))]
-    assert middle[2] == pytest.approx(-1000.0 / 2e6, rel=1e-5)  # the plate's own bending
-    assert middle[0] == pytest.approx(500.0 / 4e5, rel=1e-5)  # likewise
+    assert middle[2] == pytest.approx(-1000.0 / 2e6, rel=1e-4)  # the plate is some 1e5 times as stiff
+    assert middle[0] == pytest.approx(500.0 / 4e5, rel=1e-4)  # likewise
 
 
 def test_resultants_turn_into_stress_on_both_faces():
