@@ -171,7 +171,7 @@ class Solid:
             size = basis.dx.sum(axis=1)
             corner = basis.mesh.t[:, basis.tind]
             np.add.at(total, corner, at_corner * size[:, None, None])
-            np.add.at(weight, corner, size)
+            weight += np.bincount(corner.ravel(), np.tile(size, len(corner)), len(weight))
         return total / weight[:, None, None]
 
     def _chunks(self, order: int) -> Iterator[CellBasis]:
