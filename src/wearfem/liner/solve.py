@@ -34,7 +34,11 @@ class Structure:
 
     supports: Sequence[Support]
     yield_stress: float = np.inf  # [Pa]
-    gravity: tuple[float, float, float] = (0.0, 0.0, 0.0)  # [m/s2] as (0, 0, -9.81); the weight is in every load case
+    gravity: tuple[float, float, float] = (
+        0.0,
+        0.0,
+        0.0,
+    )  # [m/s2] as (0, 0, -9.81); the weight is in every load case
 
     def __post_init__(self) -> None:
         if not self.yield_stress > 0:
@@ -54,7 +58,9 @@ class Factorised:
 
     body: Body
     structure: Structure
-    held: Mapping[str, np.ndarray]  # (p, m, m) of each fixed group: what it holds that no group before it holds
+    held: Mapping[
+        str, np.ndarray
+    ]  # (p, m, m) of each fixed group: what it holds that no group before it holds
     springs: Mapping[str, np.ndarray]  # (p, 3, 3) [N/m] of each elastic support
 
     @cached_property
@@ -96,7 +102,8 @@ class Factorised:
         displacement = self._inverse(flat).reshape(shape) if flat.any() else np.zeros(shape)
         residual = (self.stiffness @ displacement.ravel()).reshape(shape) - force
         reaction = {
-            group: _reaction(body, np.einsum("pab,pb->pa", block, residual)) for group, block in self.held.items()
+            group: _reaction(body, np.einsum("pab,pb->pa", block, residual))
+            for group, block in self.held.items()
         }
         for group, block in self.springs.items():
             reaction[group] = _reaction(body, -np.einsum("pab,pb->pa", block, displacement[:, :3]))
@@ -151,9 +158,7 @@ def body_of(liner: Liner) -> Body:
 
 def _refined(matrix: sparse.csc_matrix) -> Callable[[np.ndarray], np.ndarray]:
     """Factors, with one step of iterative refinement against the rounding of unpivoted factors."""
-    factors = splu(
-        matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-    )
+    factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
 
     def solve(force: np.ndarray) -> np.ndarray:
         first = factors.solve(force)
@@ -221,4 +226,6 @@ def _sum(blocks: Mapping[str, np.ndarray], body: Body, size: int) -> np.ndarray:
 
 def _blocks(block: np.ndarray) -> sparse.bsr_matrix:
     count, size = block.shape[:2]
-    return sparse.bsr_matrix((block, np.arange(count), np.arange(count + 1)), shape=(count * size, count * size))
+    return sparse.bsr_matrix(
+        (block, np.arange(count), np.arange(count + 1)), shape=(count * size, count * size)
+    )

@@ -113,7 +113,9 @@ def facet_normal(body: Body, group: str) -> np.ndarray:
 def grow(held: np.ndarray, block: np.ndarray) -> np.ndarray:
     """(k, m, m) projectors on the directions of `held` (k, m, m) and of `block` (m, m) together"""
     value, vector = np.linalg.eigh(held + block)
-    vector = vector * (value > 1e-9)[:, None, :]  # both are sums of unit projectors: others are zero to rounding
+    vector = (
+        vector * (value > 1e-9)[:, None, :]
+    )  # both are sums of unit projectors: others are zero to rounding
     return vector @ np.swapaxes(vector, 1, 2)
 
 
@@ -146,7 +148,9 @@ def free_motions(body: Body, held: np.ndarray, springs: np.ndarray) -> list[str]
         turn = (motion[:, :, 3:] - motion[:, :, :3] @ _about(centre)) / size
         motion = np.concatenate([motion[:, :, :3], turn], axis=2)
         value, vector = np.linalg.eigh(np.einsum("pam,pab,pbn->mn", motion, ground[inside], motion))
-        loose = vector[:, value <= 1e-12 * np.trace(ground[inside].sum(axis=0))]  # far above rounding of a sum
+        loose = vector[
+            :, value <= 1e-12 * np.trace(ground[inside].sum(axis=0))
+        ]  # far above rounding of a sum
         where = "" if parts == 1 else f" of the part around {_numbers(centre)} m"
         free += [words + where for words in _in_words(loose[:3].T, loose[3:].T / size, centre)]
     return free
