@@ -20,6 +20,7 @@ from wearfem.errors import UserError
 from wearfem.liner.body import Body
 from wearfem.liner.liner import Liner
 from wearfem.liner.mesh import ShellMesh
+from wearfem.liner.shell import Shell
 from wearfem.liner.solid import Solid
 from wearfem.liner.strength import Reaction, Strength
 from wearfem.liner.support import Fixed, Support, grow, require_held, spring
@@ -152,7 +153,7 @@ def factorise(liner: Liner, structure: Structure) -> Factorised:
 def body_of(liner: Liner) -> Body:
     """The elastic body of a liner: solid or shell, as its mesh is."""
     if isinstance(liner.mesh, ShellMesh):
-        raise NotImplementedError("shells")
+        return Shell(liner.mesh, liner.material)
     return Solid(liner.mesh, liner.material)
 
 
