@@ -75,7 +75,7 @@ class Solid:
         shear = self.material.shear_modulus
         lame = 2.0 * shear * self.material.poisson_ratio / (1.0 - 2.0 * self.material.poisson_ratio)
         total = sparse.csr_matrix((3 * len(self.point),) * 2)
-        for basis in self._chunks(order=2 if self._tetrahedra else 4):
+        for basis in self.elements(order=2 if self._tetrahedra else 4):
             gradient = np.stack([field[0].grad for field in basis.basis])  # (i, a, element, quadrature point)
             count, _, elements, _ = gradient.shape
             gradient = np.moveaxis(gradient, 2, 0).reshape(elements, 3 * count, -1)
@@ -94,7 +94,7 @@ class Solid:
     def volume(self) -> np.ndarray:
         """(p,) [m3] integral of each point's shape function: how a force by volume is shared out"""
         total = np.zeros(len(self.point))
-        for basis in self._chunks(order=2 if self._tetrahedra else 4):
+        for basis in self.elements(order=2 if self._tetrahedra else 4):
             share = np.stack([(field[0].value * basis.dx).sum(axis=1) for field in basis.basis])
             np.add.at(total, basis.element_dofs, share)
         return total
@@ -164,7 +164,7 @@ class Solid:
         """
         shear, ratio = self.material.shear_modulus, self.material.poisson_ratio
         total, weight = np.zeros((len(self.mesh.node), 3, 3)), np.zeros(len(self.mesh.node))
-        for basis in self._chunks(order=2 if self._tetrahedra else 3):
+        for basis in self.elements(order=2 if self._tetrahedra else 3):
             gradient = np.zeros((3, 3, *basis.dx.shape))  # (component, axis, element, Gauss point)
             for dofs, field in zip(basis.element_dofs, basis.basis, strict=True):
                 gradient += displacement[dofs].T[:, None, :, None] * field[0].grad
@@ -178,7 +178,7 @@ class Solid:
             weight += np.bincount(corner.ravel(), np.tile(size, len(corner)), len(weight))
         return total / weight[:, None, None]
 
-    def _chunks(self, order: int) -> Iterator[CellBasis]:
+    def elements(self, order: int) -> Iterator[CellBasis]:
         """The elements with their shape functions at Gauss points of an order, some at a time."""
         whole = self._basis
         for first in range(0, whole.mesh.nelements, CHUNK):
