@@ -37,6 +37,7 @@ def test_moments_of_a_supported_plate_are_second_order(h):
     assert orders(np.array(error)).min() > 1.0  # better than the first order of a single triangle
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("one", OBSTACLES, ids=lambda one: one.name)
 def test_the_obstacle_course_converges(one):
     value = np.array([one.computed(n, Rising) for n in (8, 16, 32, 64)]) / one.reference

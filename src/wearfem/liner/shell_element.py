@@ -64,7 +64,9 @@ def thickness_moments(area: np.ndarray, thickness: np.ndarray, power: int) -> np
 def membrane_strain(xy: np.ndarray, poisson_ratio: float) -> tuple[np.ndarray, np.ndarray]:
     """The strains (eps_x, eps_y, gamma_xy) of the optimal triangle from (u, v, theta_z): uniform part and linear part.
 
-    eps = (1/V) L^T u + sum_i zeta_i eps_i,  eps_i = 3/2 sqrt(beta_0) T_e Q_i T_theta u  (Felippa 2003, eq. 22 for L, eq. 42 for the parameters)
+    eps = (1/V) L^T u + sum_i zeta_i eps_i,  eps_i = 3/2 sqrt(beta_0) T_e Q_i T_theta u
+
+    **Source** Felippa (2003): L in eq. 22, the parameters in eq. 42.
 
     Returns
     -------
