@@ -128,7 +128,9 @@ def errors(kind: Cut, cells: int) -> tuple[float, float, float]:
             off = off + found[dofs][:, None, :] * (shape[0].value + 0 * part.dx)[..., None]
             off_gradient = off_gradient + np.einsum("ea,beq->eqab", found[dofs], shape[0].grad)
         fields = (off, up, hooke(off_gradient), hooke(gradient))
-        square += [float(((one**2).reshape(*part.dx.shape, -1).sum(axis=2) * part.dx).sum()) for one in fields]
+        square += [
+            float(((one**2).reshape(*part.dx.shape, -1).sum(axis=2) * part.dx).sum()) for one in fields
+        ]
     exact = hooke(manufactured(body.mesh.node)[1])
     nodal = np.linalg.norm(body.stress(found) - exact) / np.linalg.norm(exact)
     return float(np.sqrt(square[0] / square[1])), float(np.sqrt(square[2] / square[3])), float(nodal)
