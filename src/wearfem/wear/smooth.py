@@ -13,6 +13,7 @@ from scipy.sparse import coo_array, csr_array, diags_array
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import SuperLU, splu
 
+from wearfem.edges import neighbours, parts
 from wearfem.errors import UserError
 from wearfem.surface import Surface
 from wearfem.units import degree
@@ -99,7 +100,7 @@ class HelmholtzFilter:
     @cached_property
     def node(self) -> np.ndarray:
         """(t, 3) unknown at each corner; corners of triangles that meet in a smooth edge share theirs"""
-        twin = neighbours(self.surface, self.sharp)
+        twin = neighbours(self.surface.point, self.surface.triangle, self.sharp)
         inner = np.flatnonzero(twin >= 0)
         graph = coo_array(
             (np.ones(len(inner), bool), (inner, _next(twin[inner]))), shape=(len(twin), len(twin))
@@ -109,11 +110,7 @@ class HelmholtzFilter:
     @cached_property
     def part(self) -> np.ndarray:
         """(t,) smooth part that each triangle belongs to: the field's volume in each is kept"""
-        twin = neighbours(self.surface, self.sharp)
-        inner = np.flatnonzero(twin >= 0)
-        count = len(twin) // 3
-        graph = coo_array((np.ones(len(inner), bool), (inner // 3, twin[inner] // 3)), shape=(count, count))
-        return connected_components(graph, directed=False)[1]
+        return parts(neighbours(self.surface.point, self.surface.triangle, self.sharp))
 
     @cached_property
     def _share(self) -> csr_array:
@@ -158,7 +155,7 @@ def couplings(surface: Surface, node: np.ndarray, sharp: float) -> csr_array:
     couplings); Fisher, Springborn, Bobenko and Schroeder, Computing 81 (2007) 199 (data structure and lengths).
     """
     length = np.linalg.norm(np.roll(surface.corner, -1, axis=1) - surface.corner, axis=2).ravel()
-    twin = neighbours(surface, sharp)
+    twin = neighbours(surface.point, surface.triangle, sharp)
     edge = np.arange(len(twin))
     image = edge + len(twin) + 2 - 2 * (edge % 3)  # the mirrored triangle runs backwards
     here = np.where(twin >= 0, twin, image)
@@ -229,19 +226,6 @@ def _flip(
     new_start[first], new_start[second] = c, d
     new_length[first] = new_length[second] = np.hypot(along_c - along_d, across)
     return new_twin, new_start, new_length
-
-
-def neighbours(surface: Surface, sharp: float) -> np.ndarray:
-    """(3 t,) the same edge in the neighbouring triangle, for the directed edges 3 t + k from corner k to k + 1; -1 at borders
-    and at edges whose triangles have normals further apart than `sharp` [rad]"""
-    begin, end = surface.triangle.ravel(), np.roll(surface.triangle, -1, axis=1).ravel()
-    forward, backward = begin * len(surface.point) + end, end * len(surface.point) + begin
-    order = np.argsort(forward)
-    place = np.minimum(np.searchsorted(forward[order], backward), len(order) - 1)
-    twin = np.where(forward[order[place]] == backward, order[place], -1)
-    normal = np.repeat(surface.normal, 3, axis=0)
-    apart = np.linalg.norm(normal - normal[twin], axis=1) > 2.0 * np.sin(0.5 * sharp)
-    return np.where(apart, -1, twin)
 
 
 def _next(edge: np.ndarray) -> np.ndarray:
