@@ -97,3 +97,12 @@ def triangles(facet: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     if facet.shape[1] == 3:
         return facet, np.arange(len(facet))
     return facet[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3), np.repeat(np.arange(len(facet)), 2)
+
+
+def find_facets(facet: np.ndarray, among: np.ndarray) -> np.ndarray:
+    """(k,) the row of `among` (m, c) that has the same corners as each `facet` (k, c), in whatever order; -1 where there is none."""
+    _, number = np.unique(np.sort(np.concatenate([among, facet]), axis=1), axis=0, return_inverse=True)
+    number = number.ravel()
+    place = np.full(len(number), -1)
+    place[number[: len(among)]] = np.arange(len(among))
+    return place[number[len(among) :]]

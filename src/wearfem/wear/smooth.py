@@ -128,9 +128,7 @@ class HelmholtzFilter:
         coupling = couplings(self.surface, self.node, self.sharp)
         stiffness = diags_array(np.asarray(coupling.sum(axis=1)).ravel()) - coupling
         matrix = diags_array(mass) + self.length**2 * stiffness
-        return splu(
-            matrix.tocsc(), "MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-        )
+        return splu(matrix.tocsc(), "MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
 
 
 def couplings(surface: Surface, node: np.ndarray, sharp: float) -> csr_array:
@@ -139,7 +137,7 @@ def couplings(surface: Surface, node: np.ndarray, sharp: float) -> csr_array:
     On an edge it is (cot a + cot b) / 2 with the angles a and b opposite to it, negative where a + b > pi. Therefore the triangles
     are those of the *intrinsic Delaunay triangulation*: edges with a + b > pi are exchanged for the other diagonal of their two
     triangles, unfolded into a plane, until there is none. The surface stays as it is, only straight lines on it are chosen anew,
-    so that this is still linear finite elements on the same surface. A natural border is a mirror: the surface is glued to its mirror image,
+    so that this is still linear finite elements on the same surface. A natural border is a mirror: the surface is glued to its image,
     where an obtuse angle opposite to a border edge is exchanged like all others.
 
     Parameters
@@ -171,7 +169,9 @@ def couplings(surface: Surface, node: np.ndarray, sharp: float) -> csr_array:
     weight = np.maximum(cotangent + cotangent[twin], 0.0)  # rounding may leave -1e-10
     count = int(node.max()) + 1
     # (cot a + cot b) / 2 for the edge, half of it for each of the two mirrored surfaces
-    return coo_array((0.25 * weight, (start, start[_next(np.arange(len(start)))])), shape=(count, count)).tocsr()
+    return coo_array(
+        (0.25 * weight, (start, start[_next(np.arange(len(start)))])), shape=(count, count)
+    ).tocsr()
 
 
 def delaunay(
@@ -191,7 +191,9 @@ def delaunay(
     while True:
         edge = np.arange(len(twin))
         angle = _angle(length)
-        bad = np.flatnonzero((angle + angle[twin] > np.pi + ROUNDING) & (edge < twin) & (edge // 3 != twin // 3))
+        bad = np.flatnonzero(
+            (angle + angle[twin] > np.pi + ROUNDING) & (edge < twin) & (edge // 3 != twin // 3)
+        )
         if not len(bad):
             return twin, start, length
         worst = np.argsort(-(angle + angle[twin])[bad], kind="stable")
@@ -199,7 +201,9 @@ def delaunay(
         rank = np.arange(len(bad))
         np.minimum.at(first, bad // 3, rank)
         np.minimum.at(first, twin[bad] // 3, rank)
-        alone = (first[bad // 3] == rank) & (first[twin[bad] // 3] == rank)  # two flips never share a triangle
+        alone = (first[bad // 3] == rank) & (
+            first[twin[bad] // 3] == rank
+        )  # two flips never share a triangle
         twin, start, length = _flip(bad[alone], twin, start, length)
 
 
