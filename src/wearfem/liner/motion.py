@@ -17,7 +17,7 @@ FROM_VTK = np.array([0, 4, 3, 1, 7, 5, 2, 6])  # place in VTK's hexahedron of ea
 ACCURACY = 1e-6  # of the motion of the interior, relative to that of the worn face
 
 
-def follow(mesh: SolidMesh, displacement: np.ndarray, moved: np.ndarray) -> np.ndarray:
+def follow(mesh: SolidMesh, displacement: np.ndarray, moved: np.ndarray, held: np.ndarray) -> np.ndarray:
     """Motion (n, 3) [m] of all nodes, given that of the worn face.
 
     Linear elasticity with Young's modulus 1 / volume of each element, so that small elements move as one piece and large ones
@@ -30,13 +30,16 @@ def follow(mesh: SolidMesh, displacement: np.ndarray, moved: np.ndarray) -> np.n
     mesh
         Before the motion.
     displacement, moved
-        (n, 3) [m] and (n,) bool: the motion that is prescribed, and where.
+        (n, 3) [m] and (n,) bool: the motion of the worn face, and its nodes.
+    held
+        (n, 3, 3) projectors on the directions in which nodes of the worn face are held; along the rest they slide, as the body
+        pulls them.
 
     Source
     ------
     Stein, Tezduyar and Benney 2003, J. Appl. Mech. 70, 58-63 (mesh motion stiffened by the Jacobian).
     """
-    free = _free_directions(mesh, moved)
+    free = _free_directions(mesh, moved, held)
     stiffness = _stiffness(mesh)
     full = np.where(moved[:, None], displacement, 0.0).ravel()
     load = -(free.T @ (stiffness @ full))
@@ -77,8 +80,8 @@ def _stiffness(mesh: SolidMesh) -> csr_array:
     return csr_array(matrix[place][:, place])
 
 
-def _free_directions(mesh: SolidMesh, moved: np.ndarray) -> csr_array:
-    """(3n, k) orthonormal directions in which the nodes that are not `moved` are free, three rows a node."""
+def _free_directions(mesh: SolidMesh, moved: np.ndarray, held: np.ndarray) -> csr_array:
+    """(3n, k) orthonormal directions in which the nodes are free, three rows a node."""
     count = len(mesh.node)
     hold = np.zeros((count, 3, 3))
     facet = unworn(mesh)
@@ -87,11 +90,10 @@ def _free_directions(mesh: SolidMesh, moved: np.ndarray) -> csr_array:
     for k in range(facet.shape[1]):
         np.add.at(hold, facet[:, k], normal[:, :, None] * normal[:, None, :])
     _hold_borders(mesh, facet, normal, hold)
+    hold[moved] = held[moved]
     side = np.flatnonzero(np.trace(hold, axis1=1, axis2=2) > 0.0)
-    side = side[~moved[side]]
     inner = np.ones(count, bool)
     inner[side] = False
-    inner[moved] = False
     value, axis = np.linalg.eigh(hold[side])
     slides = value <= FLAT * value[:, -1:]
     which, column = np.nonzero(slides)

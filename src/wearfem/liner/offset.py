@@ -21,6 +21,7 @@ class Offset:
     displacement: np.ndarray  # (n, 3) [m]
     depth: np.ndarray  # (n,) [m] largest depth of a node's corners
     moved: np.ndarray  # (n,) bool: nodes of the worn face
+    hold: np.ndarray  # (n, 3, 3) projector on the directions in which a node of the worn face may not slide
     asked: float  # [m3] sum of depth x area of the facets as they were
     swept: float  # [m3] by the whole surface; equal to `asked` to 1e-13
 
@@ -39,7 +40,12 @@ def swept_by_corner(corners: Corners, node: np.ndarray, displacement: np.ndarray
 
 
 def offset(
-    corners: Corners, node: np.ndarray, depth: np.ndarray, direction: np.ndarray | None = None
+    corners: Corners,
+    node: np.ndarray,
+    depth: np.ndarray,
+    *,
+    slide: np.ndarray | None = None,
+    direction: np.ndarray | None = None,
 ) -> Offset:
     """Move the worn face inward by a depth (f,) [m] of its facets.
 
@@ -56,6 +62,8 @@ def offset(
         (n, 3) [m].
     depth
         (f,) [m]; the volume asked is sum depth x area at this, the old, geometry.
+    slide
+        (n, 3) [m] motion along the surface that is added; it changes no depth, and the volume that it sweeps is made good.
     direction
         (n, 3) unit vectors into the flow; with them nodes move along these only (a shell).
 
@@ -75,12 +83,13 @@ def offset(
     matrix = mass(corners, node)
     corner_area = matrix.sum(axis=1)
     asked = w * corner_area
-    move = _mover(corners, node, direction)
+    move, hold = _mover(corners, node, direction)
+    extra = 0.0 if slide is None else slide
     used = corners.of_worn & (corner_area > 0.0)
     spread = _neighbours(matrix)
     share = _shares(corners, corner_area)
     for _ in range(300):
-        displacement = move(w)
+        displacement = move(w) + extra
         swept = share @ swept_by_corner(corners, node, displacement).ravel()
         missing = np.where(used, asked - swept, 0.0)
         total = float(swept.sum())
@@ -99,13 +108,13 @@ def offset(
     moved[corners.node[corners.of_worn]] = True
     deepest = np.zeros(len(node))
     np.maximum.at(deepest, corners.node, w)
-    return Offset(displacement, deepest, moved, asked_total, total)
+    return Offset(displacement, deepest, moved, hold, asked_total, total)
 
 
 def _mover(
     corners: Corners, node: np.ndarray, direction: np.ndarray | None
-) -> Callable[[np.ndarray], np.ndarray]:
-    """The function from depths (c,) of merged corners to displacements (n, 3) of nodes."""
+) -> tuple[Callable[[np.ndarray], np.ndarray], np.ndarray]:
+    """The function from depths (c,) of merged corners to displacements (n, 3) of nodes, and the directions held (n, 3, 3)."""
     count, worn = len(node), corners.of_worn
     displacement = np.zeros((count, 3))
     if direction is not None:
@@ -114,7 +123,7 @@ def _mover(
             displacement[corners.node[worn]] = -w[worn, None] * direction[corners.node[worn]]
             return displacement
 
-        return along
+        return along, np.broadcast_to(np.eye(3), (count, 3, 3))
     normal = _corner_normal(corners, node)
     uses = _constrains(corners, normal)
     at, plane = corners.node[uses], normal[uses]
@@ -132,7 +141,9 @@ def _mover(
         displacement[touched] = np.einsum("nij,nj->ni", solve, right[touched])
         return displacement
 
-    return meet
+    held = np.zeros((count, 3, 3))
+    held[touched] = np.einsum("nik,nk,njk->nij", vector, keep.astype(float), vector)
+    return meet, held
 
 
 def _corner_normal(corners: Corners, node: np.ndarray) -> np.ndarray:

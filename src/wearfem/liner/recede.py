@@ -10,7 +10,7 @@ from wearfem.liner.corners import SHARP, cover, facet_area, find_corners, unworn
 from wearfem.liner.liner import Liner, node_normal, worn_face
 from wearfem.liner.mesh import LinerMesh, ShellMesh, SolidMesh
 from wearfem.liner.motion import follow
-from wearfem.liner.offset import offset, swept_by_corner
+from wearfem.liner.offset import Offset, offset, swept_by_corner
 from wearfem.liner.quality import determinant, quality
 
 POOR = 0.1  # quality below which the liner should be remeshed
@@ -147,14 +147,32 @@ def _try(liner: Liner, depth: np.ndarray, share: float, sharp: float) -> LinerMe
         return _thin(mesh, share * depth)
     try:
         corners = find_corners(mesh.node, mesh.wear, unworn(mesh), sharp)
-        moved = offset(corners, mesh.node, share * depth)
+        straight = offset(corners, mesh.node, share * depth)
+        motion = follow(mesh, straight.displacement, straight.moved, _held(straight))
+        slide = _limited(motion - straight.displacement, straight)
+        final = offset(corners, mesh.node, share * depth, slide=slide)
+        motion = np.where(final.moved[:, None], final.displacement, motion)
     except UserError:
         if share < 1.0 / 2**STEPS_OF_BISECTION:
             raise
         return None
-    node = mesh.node + follow(mesh, moved.displacement, moved.moved)
+    node = mesh.node + motion
     new = with_nodes(mesh, node)
     return new if (determinant(new) > 0.0).all() else None
+
+
+def _held(straight: Offset) -> np.ndarray:
+    """What holds the worn nodes: the faces that they offset; a node that does not recede does not slide either."""
+    still = ~straight.displacement.any(axis=1)
+    return np.where(still[:, None, None], np.eye(3), straight.hold)
+
+
+def _limited(slide: np.ndarray, straight: Offset) -> np.ndarray:
+    """A node slides no further than it recedes."""
+    most = np.linalg.norm(straight.displacement, axis=1)
+    size = np.linalg.norm(slide, axis=1)
+    part = np.minimum(1.0, np.divide(most, size, out=np.ones(len(size)), where=size > 0.0))
+    return np.where(straight.moved[:, None], part[:, None] * slide, 0.0)
 
 
 def _thin(mesh: ShellMesh, depth: np.ndarray) -> ShellMesh | None:
@@ -164,7 +182,7 @@ def _thin(mesh: ShellMesh, depth: np.ndarray) -> ShellMesh | None:
     other = mesh.element[~np.isin(number[len(mesh.wear) :], number[: len(mesh.wear)])]
     face = worn_face(mesh)
     corners = find_corners(face, mesh.wear, other, whole=True)
-    w = offset(corners, face, depth, node_normal(mesh)).depth
+    w = offset(corners, face, depth, direction=node_normal(mesh)).depth
     thickness = mesh.thickness - w
     return (
         replace(mesh, thickness=thickness, offset=mesh.offset - 0.5 * w) if (thickness >= 0.0).all() else None
