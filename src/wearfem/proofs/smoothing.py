@@ -129,7 +129,7 @@ def _edges() -> Iterator[Claim]:
 def _sensitivity() -> Iterator[Claim]:
     rows = sensitivity()
     edge, raw, smooth, raw_error, error, patch_error = rows.T
-    what = f"{IMPACTS} impacts at random places, edges from {1e3 * edge[0]:g} to {1e3 * edge[-1]:.3g} mm, l = {1e3 * SENSITIVITY_LENGTH:g} mm"
+    what = f"{IMPACTS} impacts at random places, edges {1e3 * edge[0]:g} to {1e3 * edge[-1]:.3g} mm, l = {1e3 * SENSITIVITY_LENGTH:g} mm"
     yield Claim(
         "largest raw depth on the finest mesh over that on the second finest", "one or two impacts on facets of a quarter: 2 to 4",
         3.0, float(raw[-1] / raw[-2]), "-", 1.0, False,
@@ -145,7 +145,7 @@ def _sensitivity() -> Iterator[Claim]:
         f"{listed(error)} of the mean depth: orders {listed(orders)}, still rising, as edges are not yet small against the length",
     )  # fmt: skip
     yield Claim(
-        "largest error of the mean depth of 256 fixed patches, order over all meshes", "a facet knows the place of an impact to its size: 1",
+        "largest error of the mean depth of 256 patches, order over all meshes", "a facet knows the place of an impact to its size: 1",
         1.0, float(np.polyfit(np.log(edge), np.log(patch_error), 1)[0]), "-", 0.25, False,
         f"{listed(patch_error)} of the mean depth; places are random, so the order scatters from mesh to mesh",
     )  # fmt: skip
