@@ -129,9 +129,9 @@ def clipped_area(polygon: np.ndarray, triangle: np.ndarray) -> np.ndarray:
         count, places = polygon.shape[:2]
         every = np.stack([polygon, cut], axis=2).reshape(count, 2 * places, 2)
         kept = np.stack([inside, crossing], axis=2).reshape(count, 2 * places)
-        order = np.argsort(~kept, axis=1, kind="stable")[:, : places + 1]
-        last = np.maximum(kept.sum(axis=1) - 1, 0)
-        order = np.take_along_axis(order, np.minimum(np.arange(places + 1), last[:, None]), axis=1)
+        corners = kept.sum(axis=1)
+        place = np.minimum(np.arange(max(corners.max(initial=0), 1)), np.maximum(corners - 1, 0)[:, None])
+        order = np.take_along_axis(np.argsort(~kept, axis=1, kind="stable"), place, axis=1)
         polygon = np.take_along_axis(every, order[..., None], axis=1)
         polygon[~kept.any(axis=1)] = 0.0
     x, y = np.moveaxis(polygon - polygon[:, :1], 2, 0)
