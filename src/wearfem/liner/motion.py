@@ -66,18 +66,16 @@ def _stiffness(mesh: SolidMesh) -> csr_array:
     """(3n, 3n) [-] numbered node by node"""
     hexahedra = mesh.element.shape[1] == 8
     order = FROM_VTK if hexahedra else np.arange(4)
-    corner = np.ascontiguousarray(mesh.element[:, order].T)
+    corner, place = np.ascontiguousarray(mesh.element[:, order].T), np.ascontiguousarray(mesh.node.T)
     if hexahedra:
-        basis = Basis(MeshHex(mesh.node.T, corner, validate=False), ElementVector(ElementHex1()), intorder=2)
+        basis = Basis(MeshHex(place, corner, validate=False), ElementVector(ElementHex1()), intorder=2)
     else:
-        basis = Basis(MeshTet(mesh.node.T, corner, validate=False), ElementVector(ElementTetP1()), intorder=0)
+        basis = Basis(MeshTet(place, corner, validate=False), ElementVector(ElementTetP1()), intorder=0)
     volume = np.abs(basis.dx).sum(axis=1, keepdims=True)
     relative = np.broadcast_to(volume / volume.mean(), basis.dx.shape)
     matrix = csr_array(_elastic.assemble(basis, volume=relative))
-    place = basis.nodal_dofs.T.ravel()
-    if (place == np.arange(len(place))).all():
-        return matrix
-    return csr_array(matrix[place][:, place])
+    dof = basis.nodal_dofs.T.ravel()
+    return matrix if (dof == np.arange(len(dof))).all() else csr_array(matrix[dof][:, dof])
 
 
 def _free_directions(mesh: SolidMesh, moved: np.ndarray, held: np.ndarray) -> csr_array:
