@@ -10,6 +10,7 @@ from wearfem.errors import UserError
 from wearfem.liner.block import Hexahedra, Tetrahedra, block, mapped, sheet, with_group
 from wearfem.liner.liner import Liner
 from wearfem.liner.mesh import SolidMesh, find_facets
+from wearfem.liner.mesh_check import check_mesh
 from wearfem.liner.patches import skin
 from wearfem.liner.quality import worst
 from wearfem.liner.remesh import carry, change, refill, remesh, renew
@@ -53,6 +54,7 @@ def test_a_plate_keeps_its_volume_groups_and_depth(kind, renewed):
     after = renewed(before, 0.02)
     assert after.mesh.element.shape[1] == 4
     assert set(after.mesh.group) == set(before.mesh.group)
+    check_mesh(after.mesh)
     assert outward(after.mesh)
     told = change(before, after)
     assert abs(told.volume) < 1e-13 and abs(told.area) < 1e-13  # rounding: a box is plane
@@ -108,6 +110,7 @@ def test_a_ring_a_ball_and_a_long_pipe_can_be_laid_flat():
         told = change(before, after)
         assert told.quality_after > 0.3  # as good as gmsh gives on bodies without thin places
         assert abs(told.volume) < (size / 0.1) ** 2  # chords: (h / R)^2 / 8 on each of a few radii
+        check_mesh(after.mesh)
         assert outward(after.mesh)
 
 
@@ -127,8 +130,8 @@ def test_two_bodies_and_a_cavity():
 
 def test_a_shell_keeps_its_edges_and_its_side():
     mesh = sheet((0.0, 0.0), (0.2, 0.1), (8, 4), 0.02, offset=0.003)
-    before = Liner(replace(mesh, element=mesh.element, group=dict(mesh.group)), STEEL)
-    after = remesh(before, 0.02).mesh
+    after = remesh(Liner(mesh, STEEL), 0.02).mesh
+    check_mesh(after)
     a, b, c = np.moveaxis(after.node[after.element], 1, 0)
     assert (np.cross(b - a, c - a)[:, 2] > 0.0).all()
     assert set(after.group) == set(mesh.group)

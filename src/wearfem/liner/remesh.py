@@ -177,14 +177,15 @@ def worn_facets(liner: Liner) -> Surface:
 def change(before: Liner, after: Liner) -> Change:
     """What a new mesh changed."""
     return Change(
-        _volume(after.mesh) / _volume(before.mesh) - 1.0,
+        volume_of(after.mesh) / volume_of(before.mesh) - 1.0,
         float(worn_facets(after).area.sum() / worn_facets(before).area.sum()) - 1.0,
         worst(before.mesh),
         worst(after.mesh),
     )
 
 
-def _volume(mesh: LinerMesh) -> float:
+def volume_of(mesh: LinerMesh) -> float:
+    """[m3] of a solid; of a shell, its thickness over its reference surface"""
     if isinstance(mesh, SolidMesh):
         return mesh.volume
     a, b, c = np.moveaxis(mesh.node[mesh.element], 1, 0)
