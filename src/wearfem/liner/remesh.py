@@ -281,10 +281,9 @@ def session(name: str, size: float) -> Iterator[Any]:
         "Mesh.MeshSizeMin": 0,
         "Mesh.MeshSizeMax": size,
         "Mesh.Algorithm": 6,  # frontal Delaunay
-        "Mesh.Algorithm3D": 1,  # Delaunay, which keeps the triangles of the skin
+        "Mesh.Algorithm3D": 10,  # HXT, which keeps the triangles of the skin and takes a seventh of the time of Delaunay with Netgen
         "Mesh.Renumber": 0,  # nodes of the skin keep their numbers
         "Mesh.Optimize": 1,
-        "Mesh.OptimizeNetgen": 1,
     }.items():
         gmsh.option.setNumber(option, value)
     try:
