@@ -21,7 +21,7 @@ LAYERS = (
     {"dem", "liner", "wear", "survey"},
     {"surface_file"},
     {"surface", "loads", "material", "slope"},
-    {"vector", "units", "jit", "errors", "proof"},
+    {"vector", "units", "jit", "errors", "proof", "edges"},
 )
 SIBLINGS = {"dem", "liner", "wear", "survey"}  # never import one another ...
 SIBLING_ARROWS = {("survey", "wear")}  # ... except here

@@ -4,7 +4,7 @@ Geometry is straight: corner nodes only. Elements of higher order add their own 
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -27,14 +27,28 @@ class SolidMesh:
     group: Mapping[str, np.ndarray] = field(default_factory=dict)  # name -> (k, 3) or (k, 4) corner nodes
     name: str = "liner"
 
+    def __post_init__(self) -> None:
+        _make_arrays(self, (4, 8), "(e, 4) tetrahedra or (e, 8) hexahedra")
+
     @cached_property
+    def _sides(self) -> tuple[np.ndarray, np.ndarray]:
+        """Facets (k, 3) or (k, 4) of the elements, each once, and the number (k,) of elements that they belong to"""
+        side = _SIDES[self.element.shape[1]]
+        facet = self.element[:, side].reshape(-1, side.shape[1])
+        _, first, count = np.unique(np.sort(facet, axis=1), axis=0, return_index=True, return_counts=True)
+        order = np.argsort(first)
+        return facet[first[order]], count[order]
+
+    @property
     def boundary(self) -> np.ndarray:
         """(k, 3) or (k, 4) corner nodes of all facets of one element only, normals outward"""
-        sides = self.element[:, _SIDES[self.element.shape[1]]].reshape(
-            -1, _SIDES[self.element.shape[1]].shape[1]
-        )
-        _, first, count = np.unique(np.sort(sides, axis=1), axis=0, return_index=True, return_counts=True)
-        return sides[np.sort(first[count == 1])]
+        facet, count = self._sides
+        return facet[count == 1]
+
+    @property
+    def facet_use(self) -> np.ndarray:
+        """(k,) number of elements at each facet: 1 on the boundary, 2 inside, more in a mesh that overlaps itself"""
+        return self._sides[1]
 
     @property
     def wear(self) -> np.ndarray:
@@ -63,10 +77,21 @@ class ShellMesh:
     group: Mapping[str, np.ndarray] = field(default_factory=dict)
     name: str = "liner"
 
+    def __post_init__(self) -> None:
+        _make_arrays(self, (3,), "(e, 3) triangles")
+        for what in ("thickness", "offset"):
+            object.__setattr__(self, what, np.ascontiguousarray(getattr(self, what), float))
+
     @property
     def wear(self) -> np.ndarray:
         """(f, 3) corner nodes of the triangles that wear"""
         return group_of(self, WEAR)
+
+    @property
+    def turned(self) -> "ShellMesh":
+        """The same shell with its normals, and so its worn face, on the other side."""
+        group = {name: facet[:, ::-1] for name, facet in self.group.items()}
+        return replace(self, element=self.element[:, ::-1], offset=-self.offset, group=group)
 
 
 LinerMesh = SolidMesh | ShellMesh
@@ -87,7 +112,7 @@ def group_of(mesh: LinerMesh, name: str) -> np.ndarray:
     """
     if name not in mesh.group:
         raise UserError(
-            f"{mesh.name} has no group '{name}'; it has {in_words(sorted(mesh.group))}. Name the group so in the mesh file."
+            f"{mesh.name} has no group '{name}'; it has {in_words(sorted(mesh.group))}. Name the group so in the mesh file, or rename one."
         )
     return mesh.group[name]
 
@@ -97,3 +122,44 @@ def triangles(facet: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     if facet.shape[1] == 3:
         return facet, np.arange(len(facet))
     return facet[:, [[0, 1, 2], [0, 2, 3]]].reshape(-1, 3), np.repeat(np.arange(len(facet)), 2)
+
+
+def find_facets(facet: np.ndarray, among: np.ndarray) -> np.ndarray:
+    """(k,) the row of `among` (m, c) that has the same corners as each `facet` (k, c), in whatever order; -1 where there is none."""
+    _, number = np.unique(np.sort(np.concatenate([among, facet]), axis=1), axis=0, return_inverse=True)
+    number = number.ravel()
+    place = np.full(len(number), -1)
+    place[number[: len(among)]] = np.arange(len(among))
+    return place[number[len(among) :]]
+
+
+def _make_arrays(mesh: LinerMesh, corners: tuple[int, ...], expected: str) -> None:
+    """Store what was given as contiguous arrays; refuse numbers that name nothing."""
+    node, element = np.ascontiguousarray(mesh.node, float), np.ascontiguousarray(mesh.element, np.int64)
+    group = {name: np.ascontiguousarray(facet, np.int64) for name, facet in mesh.group.items()}
+    for what, value in (("node", node), ("element", element), ("group", group)):
+        object.__setattr__(mesh, what, value)
+    if (
+        node.ndim != 2
+        or node.shape[1] != 3
+        or element.ndim != 2
+        or element.shape[1] not in corners
+        or not len(element)
+    ):
+        raise UserError(
+            f"{mesh.name}: nodes of shape {node.shape} and elements of shape {element.shape} were given; a mesh needs (n, 3) nodes "
+            f"and {expected}."
+        )
+    if not np.isfinite(node).all():
+        bad = int(np.argmin(np.isfinite(node).all(axis=1)))
+        raise UserError(
+            f"{mesh.name}: node {bad} is {node[bad].tolist()}; coordinates must be finite numbers in m."
+        )
+    for what, number in [
+        ("elements", element),
+        *((f"group '{name}'", facet) for name, facet in group.items()),
+    ]:
+        if number.size and (number.min() < 0 or number.max() >= len(node)):
+            raise UserError(
+                f"{mesh.name}: {what} name the nodes {number.min()} to {number.max()}; nodes are numbered 0 to {len(node) - 1}."
+            )
