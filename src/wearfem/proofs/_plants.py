@@ -86,16 +86,17 @@ class Lived:
 def by_jumps(plant: Plant, goal: Goal, seed: int = 0, bounds: Bounds | None = None) -> Lived:
     """The cycle as `cycle.py` does it: sample, choose, extend the sample where noise asks for it, jump, reject where the jump was too bold."""
     flow, samples, geometry = Flow.start(plant, seed), (), [np.zeros(plant.facets)]
-    rejected, warm_up, at_most = 0, 0.0, np.inf
+    rejected, warm_up, window = 0, 0.0, 0.0
     while True:
         rows = np.empty((0, plant.facets))
-        asked, longest = PILOT, at_most
+        asked = max(PILOT, int(np.ceil(window / BLOCK))) + int(samples[0].warm_up / BLOCK if samples else 0)
         time = samples[-1].service_time + jump.duration if samples else 0.0
         while True:
             rows = np.vstack((rows, flow.blocks(geometry[-1], asked)))
             start = steady_from(rows.sum(axis=1)) if plant.delay else 0
-            if len(rows) - start < max(PILOT // 2, FEWEST_BLOCKS):
-                asked = PILOT
+            start = max(start, int(samples[0].warm_up / BLOCK) if samples else 0)
+            if len(rows) - start < max(PILOT // 2, FEWEST_BLOCKS, int(window / BLOCK)):
+                asked = max(FEWEST_BLOCKS, start)
                 continue
             trial = (*samples, Sample(time, rows[start:], BLOCK, start * BLOCK))
             if not is_trusted(trial, goal):
@@ -107,14 +108,14 @@ def by_jumps(plant: Plant, goal: Goal, seed: int = 0, bounds: Bounds | None = No
         warm_up += start * BLOCK
         if not is_trusted(trial, goal):
             rejected += 1
-            at_most = 0.5 * (time - samples[-1].service_time)
             geometry.pop()
-            jump = choose_jump(samples, geometry[-1], goal, bounds, at_most)
+            jump = choose_jump(samples, geometry[-1], goal, bounds, 0.5 * jump.duration)
         else:
-            samples, at_most = trial, np.inf
+            samples = trial
         if jump.duration == 0.0:
             told = end_of_life(samples, goal)
             return Lived(told.time, flow.time, len(samples), told, warm_up, rejected)
+        window = jump.window
         geometry.append(geometry[-1] + jump.recession)
 
 

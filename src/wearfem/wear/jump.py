@@ -21,12 +21,14 @@ from dataclasses import dataclass, field, replace
 from statistics import NormalDist
 
 import numpy as np
+from scipy.special import ndtr
 
 from wearfem.errors import UserError
-from wearfem.wear.sampling import ROUNDING, Sample
+from wearfem.wear.sampling import ROUNDING, Sample, statistical_inefficiency
 
 LARGEST_GROWTH = 2.0  # a jump over the one before: Adams-Bashforth 2 is zero-stable below 1 + sqrt(2)
-FIRST_BEND = 6.0  # r'' L^2 / r taken until three samples tell it: of a rate that grows tenfold in a life
+FIRST_BEND = 2.0  # r'' L^2 / r taken until the samples tell it: of a rate that grows fourfold in a life
+INDEPENDENT = 10  # blocks in the first sample, or its noise is not known within a half
 SURPRISE = 1.0 / np.sqrt(3.0)  # rms of where in a jump a sudden change came, over half the jump
 
 
@@ -84,13 +86,15 @@ class Jump:
 
     `limited_by` is `edge length`, `particle radius`, `curvature`, `jump error`, `growth`, `asked` or `end of life`, or `noise`: then the duration is
     zero and the sample is to be made `window` long before it is asked again. A duration of zero at `end of life` means that the goal is met.
+    Otherwise `window` is the length of the next sample. It is fixed before that sample is seen: who samples on until the numbers look
+    good gets rates that are too small, because a low rate promises a long life and asks for less.
     """
 
     duration: float  # [s] service time
     limited_by: str
     expected_error: float  # [m] of the depth gained, where life ends first: bias and one standard deviation
     acceleration: float  # service seconds per simulated second of this cycle
-    window: float  # [s] of steady flow that the sample before the jump needs
+    window: float  # [s] of steady flow that the next sample needs
     recession: np.ndarray = field(repr=False)  # (f,) [m] by which the surface moves, never negative
 
 
@@ -150,18 +154,23 @@ def choose_jump(
     longest |= (bounds or Bounds()).durations(now.mean)
 
     budget = goal.tolerance * course.life
-    share = _cheapest_share(course, goal, min(longest.values()))
+    share, deviation = _cheapest_share(course, goal, min(longest.values()))
     longest["jump error"] = _longest_for_bias(course, share * budget)
     limited_by = min(longest, key=lambda name: longest[name])
-    left = course.left if course.left > 0.25 * budget else 0.0
+    left = course.left if course.left > budget else 0.0
     parts = np.ceil(left / longest[limited_by] - 1e-9)
     duration = left / parts if parts > 0 else 0.0
     if parts <= 1:
         limited_by = "end of life"
 
-    window = _window_needed(course, last, duration, ((1.0 - share) * budget / goal.deviations) ** 2)
-    if window > 1.1 * now.window:  # a tenth is not worth asking twice
-        return Jump(0.0, "noise", 0.0, 0.0, window, np.zeros_like(now.mean))
+    allowed = (deviation * budget) ** 2
+    if cycles == 1:
+        window = _window_needed(course, 0.0, duration, course.left, allowed)
+        window = max(window, INDEPENDENT * now.block * statistical_inefficiency(now.rate))
+        if window > 1.1 * now.window:  # a tenth is not worth asking twice
+            return Jump(0.0, "noise", 0.0, 0.0, window, np.zeros_like(now.mean))
+    after = min(duration, left - duration)
+    window = _window_needed(course, duration, after, left - duration, allowed)
     bias, noise = duration**3 * course.bend / 12.0, duration * course.noise[-1]
     recession = np.maximum(ahead + duration * (now.mean + 0.5 * duration * _slope(samples, course)), 0.0)
     return Jump(
@@ -184,7 +193,7 @@ def is_trusted(samples: Sequence[Sample], goal: Goal) -> bool:
         return True
     course = _Course.along(samples, goal)
     surprise, noise = course.surprise(len(samples) - 1)
-    share = _cheapest_share(course, goal, np.inf)
+    share, _ = _cheapest_share(course, goal, np.inf)
     return SURPRISE * max(abs(surprise) - 2.0 * noise, 0.0) < 0.5 * share * goal.tolerance * course.life
 
 
@@ -220,7 +229,7 @@ class _Course:
     weight: np.ndarray  # (f,)
     rate: float  # [m/s] present, weighted
     left: float  # [s]
-    bend: float  # [1/s2] |r''| / r beyond its noise
+    bend: float  # [1/s2] |r''| / r beyond twice its noise; the expected one where the noise is larger than that
 
     @property
     def life(self) -> float:
@@ -234,59 +243,53 @@ class _Course:
         rate = now.weighted(weight)[0]
         seen = np.array([sample.weighted(weight) for sample in samples]) / rate
         share = weight * now.mean / rate
-        noise = [np.sqrt(share @ _over(sample.error, sample.mean) ** 2) for sample in samples]
+        noise = np.array([np.sqrt(share @ _over(sample.error, sample.mean) ** 2) for sample in samples])
+        window = np.array([sample.window for sample in samples])
         course = cls(
             time=np.array([sample.service_time for sample in samples]),
             relative=seen[:, 0],
-            relative_error=seen[:, 1],
-            noise=np.array(noise),
-            window=np.array([sample.window for sample in samples]),
+            relative_error=np.sqrt(_density(seen[:, 1] / seen[:, 0], window) / window) * seen[:, 0],
+            noise=np.sqrt(_density(noise, window) / window),
+            window=window,
             warm_up=float(np.mean([sample.warm_up for sample in samples])),
             weight=weight,
             rate=rate,
             left=left,
             bend=0.0,
         )
-        slope, slope_error, bend, bend_error = course.fit(len(samples))
+        slope, slope_error = course.fit(len(samples), 1)
+        bend, bend_error = course.fit(len(samples), 2)
         slope *= _kept(slope, slope_error)
         left = float(_time_to_wear(np.array(left), np.array(1.0), np.array(slope)))
         expected = FIRST_BEND / (now.service_time - samples[0].service_time + left) ** 2
-        bend = abs(bend) * np.sqrt(_kept(bend, bend_error))
+        bend = abs(bend) * np.sqrt(_kept(bend, 2.0 * bend_error))
         return replace(course, left=left, bend=max(bend, expected) if bend_error > expected else bend)
 
-    def fit(self, count: int) -> tuple[float, float, float, float]:
-        """Slope and bend of the relative rate at the latest of the first `count` samples, each with its standard error [1/s], [1/s2].
+    def fit(self, count: int, degree: int) -> tuple[float, float]:
+        """The derivative of this degree of the relative rate at the latest of the first `count` samples, and its standard error [1/s^degree].
 
-        A parabola through as many of the latest samples as it fits (chi^2 within two deviations of its expectation), three at least.
+        From a polynomial of this degree through as many of the latest samples as it fits: chi^2 within three deviations of its expectation.
         """
+        if count <= degree:
+            return 0.0, np.inf
         time, value = self.time[:count] - self.time[count - 1], self.relative[:count] / self.relative[count - 1]
         error = np.maximum(self.relative_error[:count] / self.relative[count - 1], np.sqrt(ROUNDING))
-        if count < 2:
-            return 0.0, np.inf, 0.0, np.inf
-        if count == 2:
-            return -(value[0] - 1.0) / -time[0], float(np.hypot(*error)) / -time[0], 0.0, np.inf
-        best = (0.0, np.inf, 0.0, np.inf)
-        for used in range(3, count + 1):
+        for used in range(count, degree, -1):
             t, v, e = time[-used:], value[-used:], error[-used:]
-            scale = -t[0]
-            rows = np.vander(t / scale, 3, increasing=True) / e[:, None]
+            rows = np.vander(t / -t[0], degree + 1, increasing=True) / e[:, None]
             answer, *_ = np.linalg.lstsq(rows, v / e, rcond=None)
-            chi2, freedom = float(np.square(rows @ answer - v / e).sum()), used - 3
-            if freedom and chi2 > freedom + 2.0 * np.sqrt(2.0 * freedom):
-                break
-            covariance = np.linalg.inv(rows.T @ rows)
-            best = (
-                answer[1] / scale,
-                np.sqrt(covariance[1, 1]) / scale,
-                2.0 * answer[2] / scale**2,
-                2.0 * np.sqrt(covariance[2, 2]) / scale**2,
-            )
-        return best
+            chi2, freedom = float(np.square(rows @ answer - v / e).sum()), used - degree - 1
+            if freedom and chi2 > freedom + 3.0 * np.sqrt(2.0 * freedom):
+                continue
+            scale = degree / (-t[0]) ** degree  # degree! / length^degree for 1 and 2
+            deviation = float(np.sqrt(np.linalg.inv(rows.T @ rows)[degree, degree]))
+            break
+        return float(answer[degree]) * scale, deviation * scale
 
     @property
     def noise_density(self) -> float:
         """[s] relative variance of the rate times the window, from all windows"""
-        return float((self.noise**2 * self.window) @ self.window / self.window.sum())
+        return _density(self.noise, self.window)
 
     @property
     def quadrature(self) -> np.ndarray:
@@ -306,7 +309,7 @@ class _Course:
         for jump in range(1, len(self.time)):
             if self.sudden(jump):
                 continue
-            _, _, bend, error = self.fit(max(jump + 1, min(3, len(self.time))))
+            bend, error = self.fit(max(jump + 1, min(3, len(self.time))), 2)
             total -= (self.time[jump] - self.time[jump - 1]) ** 3 * bend * _kept(bend, error) / 12.0
         return total
 
@@ -328,22 +331,27 @@ class _Course:
             return 0.0
         surprise, noise = self.surprise(jump)
         step, before = np.diff(self.time[jump - 2 : jump + 1])[::-1]
-        foretold = 0.25 * step**2 * (step + before) * abs(self.fit(jump)[2])
+        foretold = 0.25 * step**2 * (step + before) * abs(self.fit(jump, 2)[0])
         if abs(surprise) < max(3.0 * noise, 4.0 * foretold):
             return 0.0
         return (SURPRISE * surprise) ** 2 - noise**2 * SURPRISE**2
 
 
+def _density(noise: np.ndarray, window: np.ndarray) -> float:
+    """[s] relative variance of a mean rate times its window: one number from all windows, long ones count for more"""
+    return float((noise * window) @ (noise * window) / window.sum())
+
+
 def _where_life_ends(samples: Sequence[Sample], goal: Goal) -> tuple[np.ndarray, float]:
-    """Weights (f,) that fall with the fourth power of the time left at the present rate, and the shortest of these times [s]."""
+    """Weights (f,) that fall with the eighth power of the life at the present rate, and the shortest time left [s]."""
     rate = samples[-1].mean
     if not (rate[np.isfinite(goal.allowed_depth)] > 0.0).any():
         raise UserError("no facet with an allowed depth wears at all: sample longer, or look where the flow goes.")
     still = np.maximum(goal.allowed_depth - corrected_depth(samples), 0.0)
     left = np.where(rate > 0.0, still / np.where(rate > 0.0, rate, 1.0), np.inf)
     shortest = float(left.min())
-    least = 1e-3 * float((goal.allowed_depth[rate > 0.0] / rate[rate > 0.0]).min())
-    weight = goal.area * ((shortest + least) / (left + least)) ** 4
+    passed = samples[-1].service_time - samples[0].service_time
+    weight = goal.area * ((passed + shortest) / (passed + left)) ** 8
     return weight / weight.sum(), shortest
 
 
@@ -352,25 +360,42 @@ def _longest_for_bias(course: _Course, allowed: float) -> float:
     return float(np.sqrt(12.0 * allowed / course.life * _inverse(course.bend)))
 
 
-def _cheapest_share(course: _Course, goal: Goal, longest: float) -> float:
-    """The part b of the tolerance that bias may use, so that warm-ups and samples cost least.
+def _cheapest_share(course: _Course, goal: Goal, longest: float) -> tuple[float, float]:
+    """How bias and noise divide the tolerance e, so that warm-ups and samples cost least.
 
-    life / D(b) warm-ups and a sample of z^2 s / ((1 - b) tolerance)^2 seconds in all, with the noise density s.
+    With a bias b e and a standard deviation s(b) e such that a normal error lies within e with the confidence asked, a life takes life / D(b)
+    warm-ups and samples of (noise density) / (s e)^2 seconds in all. Returns b and s.
     """
     share = np.linspace(0.02, 0.9, 89)
+    deviation = _deviation_beside(share, goal.confidence)
     jump = np.minimum(np.sqrt(share) * _longest_for_bias(course, goal.tolerance * course.life), longest)
-    sample = course.noise_density * (goal.deviations / goal.tolerance / (1.0 - share)) ** 2
-    cost = course.warm_up * course.life / jump + sample
-    if np.isclose(cost.min(), cost.max(), rtol=1e-9):
-        return 0.5
-    return float(share[int(np.argmin(cost))])
+    cost = course.warm_up * course.life / jump + course.noise_density / (goal.tolerance * deviation) ** 2
+    if np.isclose(cost.min(), cost.max(), rtol=1e-9):  # neither costs anything
+        return 0.5, float(deviation[np.searchsorted(share, 0.5)])
+    best = int(np.argmin(cost))
+    return float(share[best]), float(deviation[best])
 
 
-def _window_needed(course: _Course, last: float, duration: float, allowed: float) -> float:
-    """Length of the present sample [s] such that samples in proportion to the time they stand for keep the variance [s2] allowed."""
-    spent = float(np.square(course.quadrature[:-1] * course.noise[:-1]).sum())
+def _deviation_beside(bias: np.ndarray, confidence: float) -> np.ndarray:
+    """The standard deviation s with which b + s N lies within -1 and 1 with the confidence; by bisection"""
+    low, high = np.full_like(bias, 1e-3), np.full_like(bias, 100.0)
+    for _ in range(60):
+        middle = np.sqrt(low * high)
+        inside = ndtr((1.0 - bias) / middle) - ndtr((-1.0 - bias) / middle) > confidence
+        low, high = np.where(inside, middle, low), np.where(inside, high, middle)
+    return low
+
+
+def _window_needed(course: _Course, before: float, after: float, left: float, allowed: float) -> float:
+    """Length of a sample [s] such that samples in proportion to the time they stand for keep the variance of life [s2] allowed.
+
+    The sample stands for half of the jumps before and after it; the time `left` comes after it.
+    """
+    weight = course.quadrature
+    weight[-1] += 0.5 * before  # of the sample before, whose jump is known by now
+    spent = float(np.square(weight * course.noise).sum()) if before else 0.0
     still = max(allowed - spent, 0.1 * allowed)
-    return course.noise_density * (0.5 * last + course.left) * 0.5 * (last + duration) / still
+    return course.noise_density * (0.5 * before + left) * 0.5 * (before + after) / still
 
 
 def _slope(samples: Sequence[Sample], course: _Course) -> np.ndarray:
