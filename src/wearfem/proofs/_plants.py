@@ -12,7 +12,7 @@ from wearfem.wear.sampling import FEWEST_BLOCKS, Sample, steady_from
 RATE = 1e-9  # [m/s] about 0.1 mm a day
 ALLOWED = 10e-3  # [m]
 BLOCK = 0.25  # [s]
-PILOT = 16  # blocks of steady flow before anything is asked of them
+PILOT = 40  # blocks of steady flow before anything is asked of them
 
 
 @dataclass(frozen=True)
@@ -89,13 +89,13 @@ def by_jumps(plant: Plant, goal: Goal, seed: int = 0, bounds: Bounds | None = No
     rejected, warm_up, window = 0, 0.0, 0.0
     while True:
         rows = np.empty((0, plant.facets))
-        asked = max(PILOT, int(np.ceil(window / BLOCK))) + int(samples[0].warm_up / BLOCK if samples else 0)
+        asked = max(PILOT if not samples else 8, int(np.ceil(window / BLOCK))) + int(samples[0].warm_up / BLOCK if samples else 0)
         time = samples[-1].service_time + jump.duration if samples else 0.0
         while True:
             rows = np.vstack((rows, flow.blocks(geometry[-1], asked)))
             start = steady_from(rows.sum(axis=1)) if plant.delay else 0
             start = max(start, int(samples[0].warm_up / BLOCK) if samples else 0)
-            if len(rows) - start < max(PILOT // 2, FEWEST_BLOCKS, int(window / BLOCK)):
+            if len(rows) - start < max(FEWEST_BLOCKS, int(window / BLOCK)):
                 asked = max(FEWEST_BLOCKS, start)
                 continue
             trial = (*samples, Sample(time, rows[start:], BLOCK, start * BLOCK))

@@ -28,7 +28,7 @@ from wearfem.wear.sampling import ROUNDING, Sample, statistical_inefficiency
 
 LARGEST_GROWTH = 2.0  # a jump over the one before: Adams-Bashforth 2 is zero-stable below 1 + sqrt(2)
 FIRST_BEND = 2.0  # r'' L^2 / r taken until the samples tell it: of a rate that grows fourfold in a life
-INDEPENDENT = 10  # blocks in the first sample, or its noise is not known within a half
+INDEPENDENT = 20  # blocks in the first sample: its variance is known within a third, sqrt(2/20)
 SURPRISE = 1.0 / np.sqrt(3.0)  # rms of where in a jump a sudden change came, over half the jump
 
 
@@ -389,13 +389,15 @@ def _deviation_beside(bias: np.ndarray, confidence: float) -> np.ndarray:
 def _window_needed(course: _Course, before: float, after: float, left: float, allowed: float) -> float:
     """Length of a sample [s] such that samples in proportion to the time they stand for keep the variance of life [s2] allowed.
 
-    The sample stands for half of the jumps before and after it; the time `left` comes after it.
+    The sample stands for half of the jumps before and after it; the time `left` comes after it. Where earlier samples used up more than their
+    part, the window is at most twice the one planned: what cannot be made good cheaply is told in the error.
     """
     weight = course.quadrature
     weight[-1] += 0.5 * before  # of the sample before, whose jump is known by now
     spent = float(np.square(weight * course.noise).sum()) if before else 0.0
-    still = max(allowed - spent, 0.1 * allowed)
-    return course.noise_density * (0.5 * before + left) * 0.5 * (before + after) / still
+    stands_for = 0.5 * before + left
+    still = max(allowed - spent, 0.5 * allowed * stands_for / course.life)
+    return course.noise_density * stands_for * 0.5 * (before + after) / still
 
 
 def _slope(samples: Sequence[Sample], course: _Course) -> np.ndarray:
