@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from wearfem.wear.jump import Bounds, Goal, Life, choose_jump, corrected_depth, end_of_life, is_trusted
+from wearfem.wear.jump import Bounds, Goal, Life, choose_jump, end_of_life, is_trusted
 from wearfem.wear.sampling import FEWEST_BLOCKS, Sample, steady_from
 
 RATE = 1e-9  # [m/s] about 0.1 mm a day
@@ -83,13 +83,17 @@ class Lived:
     rejected: int = 0
 
 
-def by_jumps(plant: Plant, goal: Goal, seed: int = 0, bounds: Bounds | None = None) -> Lived:
+def by_jumps(
+    plant: Plant, goal: Goal, seed: int = 0, bounds: Bounds | None = None, at_most: float = np.inf
+) -> Lived:
     """The cycle as `cycle.py` does it: sample, choose, extend the sample where noise asks for it, jump, reject where the jump was too bold."""
     flow, samples, geometry = Flow.start(plant, seed), (), [np.zeros(plant.facets)]
     rejected, warm_up, window = 0, 0.0, 0.0
     while True:
         rows = np.empty((0, plant.facets))
-        asked = max(PILOT if not samples else 8, int(np.ceil(window / BLOCK))) + int(samples[0].warm_up / BLOCK if samples else 0)
+        asked = max(PILOT if not samples else 8, int(np.ceil(window / BLOCK))) + int(
+            samples[0].warm_up / BLOCK if samples else 0
+        )
         time = samples[-1].service_time + jump.duration if samples else 0.0
         while True:
             rows = np.vstack((rows, flow.blocks(geometry[-1], asked)))
@@ -101,7 +105,7 @@ def by_jumps(plant: Plant, goal: Goal, seed: int = 0, bounds: Bounds | None = No
             trial = (*samples, Sample(time, rows[start:], BLOCK, start * BLOCK))
             if not is_trusted(trial, goal):
                 break
-            jump = choose_jump(trial, geometry[-1], goal, bounds)
+            jump = choose_jump(trial, geometry[-1], goal, bounds, at_most)
             if jump.limited_by != "noise":
                 break
             asked = max(int(np.ceil(jump.window / BLOCK)) - (len(rows) - start), 1)
@@ -208,8 +212,3 @@ def seen_through_noise(plant: Plant, noise: float = 0.3, memory: float = 0.5, de
     if len(plant.spread):  # the noise of a facet is meant after smoothing
         noise = noise / float(np.sqrt(np.square(plant.spread).sum(axis=1).mean()))
     return replace(plant, noise=noise, memory=memory, delay=delay)
-
-
-def corrected(samples: tuple[Sample, ...]) -> np.ndarray:
-    """The corrected depth, for those who follow a run"""
-    return corrected_depth(samples)

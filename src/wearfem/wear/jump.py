@@ -187,14 +187,15 @@ def is_trusted(samples: Sequence[Sample], goal: Goal) -> bool:
     """Whether the jump that led to the last sample may be kept.
 
     If not, take back the liner before it, drop the last sample and choose again with `at_most` half as long. A jump fails if the corrector differs
-    from the predictor by so much, beyond twice its noise, that a sudden change at an unknown moment of it may use half of the bias allowed.
+    from the predictor by so much, beyond three times its noise, that a sudden change at an unknown moment of it may use half of the bias allowed.
+    Three, since every false alarm costs a sample and, where the rate bends up, keeps the low ones.
     """
     if len(samples) < 3:
         return True
     course = _Course.along(samples, goal)
     surprise, noise = course.surprise(len(samples) - 1)
     share, _ = _cheapest_share(course, goal, np.inf)
-    return SURPRISE * max(abs(surprise) - 2.0 * noise, 0.0) < 0.5 * share * goal.tolerance * course.life
+    return SURPRISE * max(abs(surprise) - 3.0 * noise, 0.0) < 0.5 * share * goal.tolerance * course.life
 
 
 def end_of_life(samples: Sequence[Sample], goal: Goal) -> Life:
@@ -229,7 +230,9 @@ class _Course:
     weight: np.ndarray  # (f,)
     rate: float  # [m/s] present, weighted
     left: float  # [s]
-    bend: float  # [1/s2] |r''| / r beyond twice its noise; the expected one where the noise is larger than that
+    bend: (
+        float  # [1/s2] |r''| / r beyond twice its noise; the expected one where the noise is larger than that
+    )
 
     @property
     def life(self) -> float:
@@ -272,7 +275,10 @@ class _Course:
         """
         if count <= degree:
             return 0.0, np.inf
-        time, value = self.time[:count] - self.time[count - 1], self.relative[:count] / self.relative[count - 1]
+        time, value = (
+            self.time[:count] - self.time[count - 1],
+            self.relative[:count] / self.relative[count - 1],
+        )
         error = np.maximum(self.relative_error[:count] / self.relative[count - 1], np.sqrt(ROUNDING))
         for used in range(count, degree, -1):
             t, v, e = time[-used:], value[-used:], error[-used:]
@@ -346,7 +352,9 @@ def _where_life_ends(samples: Sequence[Sample], goal: Goal) -> tuple[np.ndarray,
     """Weights (f,) that fall with the eighth power of the life at the present rate, and the shortest time left [s]."""
     rate = samples[-1].mean
     if not (rate[np.isfinite(goal.allowed_depth)] > 0.0).any():
-        raise UserError("no facet with an allowed depth wears at all: sample longer, or look where the flow goes.")
+        raise UserError(
+            "no facet with an allowed depth wears at all: sample longer, or look where the flow goes."
+        )
     still = np.maximum(goal.allowed_depth - corrected_depth(samples), 0.0)
     left = np.where(rate > 0.0, still / np.where(rate > 0.0, rate, 1.0), np.inf)
     shortest = float(left.min())

@@ -31,7 +31,9 @@ class Sample:
                 "needed to know the error of the mean: sample longer or in shorter blocks."
             )
         if not np.isfinite(self.rate).all():
-            raise UserError("a sample has rates that are not numbers; look for the facet and block that made them.")
+            raise UserError(
+                "a sample has rates that are not numbers; look for the facet and block that made them."
+            )
         if not self.block > 0.0:
             raise UserError(f"the length of a block is {self.block!r} s; it must be above 0.")
 
