@@ -86,15 +86,15 @@ class Lived:
 def by_jumps(
     plant: Plant, goal: Goal, seed: int = 0, bounds: Bounds | None = None, at_most: float = np.inf
 ) -> Lived:
-    """The cycle as `cycle.py` does it: sample, choose, extend the sample where noise asks for it, jump, reject where the jump was too bold."""
-    flow, samples, geometry = Flow.start(plant, seed), (), [np.zeros(plant.facets)]
-    rejected, warm_up, window = 0, 0.0, 0.0
+    """The cycle as `cycle.py` does it: sample, choose, jump, sample; reject where the jump was too bold."""
+    flow, geometry = Flow.start(plant, seed), [np.zeros(plant.facets)]
+    samples: tuple[Sample, ...] = ()
+    rejected, warm_up, time, window = 0, 0.0, 0.0, 0.0
     while True:
         rows = np.empty((0, plant.facets))
         asked = max(PILOT if not samples else 8, int(np.ceil(window / BLOCK))) + int(
             samples[0].warm_up / BLOCK if samples else 0
         )
-        time = samples[-1].service_time + jump.duration if samples else 0.0
         while True:
             rows = np.vstack((rows, flow.blocks(geometry[-1], asked)))
             start = steady_from(rows.sum(axis=1)) if plant.delay else 0
@@ -119,7 +119,7 @@ def by_jumps(
         if jump.duration == 0.0:
             told = end_of_life(samples, goal)
             return Lived(told.time, flow.time, len(samples), told, warm_up, rejected)
-        window = jump.window
+        time, window = samples[-1].service_time + jump.duration, jump.window
         geometry.append(geometry[-1] + jump.recession)
 
 

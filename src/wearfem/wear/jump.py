@@ -1,9 +1,9 @@
 """How long a sample of the flow may be trusted: the jump in service time after it, and the error that it costs.
 
-Each cycle samples the rate over one geometry, jumps ahead and moves the surface. Two errors reach the end of life: the rate bends between samples
-(bias: shorter jumps help, each costs a warm-up), and the rate is noise (longer samples help). Both are kept in one currency, seconds of life:
-a depth error e made while the rate is r moves the end of life by e / r, whatever the wear does to the rate later. That is exact for one
-facet whose rate depends on its own depth.
+Each cycle samples the rate over one geometry, jumps ahead and moves the surface. Two errors reach the end of life: the rate bends
+between samples (bias: shorter jumps help, each costs a warm-up), and the rate is noise (longer samples help). Both are kept in one
+currency, seconds of life: a depth error e made while the rate is r moves the end of life by e / r, whatever the wear does to the rate
+later. That is exact for one facet whose rate depends on its own depth.
 
 The scheme is a predictor-corrector pair spread over consecutive cycles, second order in time with one sample a cycle:
 
@@ -36,8 +36,8 @@ SURPRISE = 1.0 / np.sqrt(3.0)  # rms of where in a jump a sudden change came, ov
 class Bounds:
     """Lengths that a jump must stay well below: the surface may recede by `part` of each.
 
-    Beyond, elements turn over, the flow meets a shape it was not sampled on, or a curved surface changes its area. A quarter leaves the area of a
-    receding sphere within (1 - 1/4)^2; it is a rule of caution, what the jump errs by is measured.
+    Beyond, elements turn over, the flow meets a shape it was not sampled on, or a curved surface changes its area. A quarter leaves
+    the area of a receding sphere within (1 - 1/4)^2; it is a rule of caution, what the jump errs by is measured.
     """
 
     edge_length: np.ndarray | float = np.inf  # (f,) [m]
@@ -84,10 +84,10 @@ class Goal:
 class Jump:
     """How far to go on one sample.
 
-    `limited_by` is `edge length`, `particle radius`, `curvature`, `jump error`, `growth`, `asked` or `end of life`, or `noise`: then the duration is
-    zero and the sample is to be made `window` long before it is asked again. A duration of zero at `end of life` means that the goal is met.
-    Otherwise `window` is the length of the next sample. It is fixed before that sample is seen: who samples on until the numbers look
-    good gets rates that are too small, because a low rate promises a long life and asks for less.
+    `limited_by` is `edge length`, `particle radius`, `curvature`, `jump error`, `growth`, `asked` or `end of life`, or `noise`: then
+    the duration is zero and the sample is to be made `window` long before it is asked again. A duration of zero at `end of life`
+    means that the goal is met. Otherwise `window` is the length of the next sample. It is fixed before that sample is seen: who
+    samples on until the numbers look good gets rates that are too small, because a low rate promises a long life and asks for less.
     """
 
     duration: float  # [s] service time
@@ -143,8 +143,8 @@ def choose_jump(
 
     Notes
     -----
-    The bias of a jump D is D^3 r'' / (12 r), r'' from the samples with its sampling variance subtracted. The part of the tolerance that bias may
-    use is the one that makes warm-ups and samples together cheapest (`_cheapest_share`).
+    The bias of a jump D is D^3 r'' / (12 r), r'' from the samples with its sampling variance subtracted. The part of the tolerance
+    that bias may use is the one that makes warm-ups and samples together cheapest (`_cheapest_share`).
     """
     now, cycles = samples[-1], len(samples)
     course = _Course.along(samples, goal)
@@ -186,9 +186,9 @@ def choose_jump(
 def is_trusted(samples: Sequence[Sample], goal: Goal) -> bool:
     """Whether the jump that led to the last sample may be kept.
 
-    If not, take back the liner before it, drop the last sample and choose again with `at_most` half as long. A jump fails if the corrector differs
-    from the predictor by so much, beyond three times its noise, that a sudden change at an unknown moment of it may use half of the bias allowed.
-    Three, since every false alarm costs a sample and, where the rate bends up, keeps the low ones.
+    If not, take back the liner before it, drop the last sample and choose again with `at_most` half as long. A jump fails if the
+    corrector differs from the predictor by so much, beyond three times its noise, that a sudden change at an unknown moment of it may
+    use half of the bias allowed. Three, since every false alarm costs a sample and, where the rate bends up, keeps the low ones.
     """
     if len(samples) < 3:
         return True
@@ -269,9 +269,11 @@ class _Course:
         return replace(course, left=left, bend=max(bend, expected) if bend_error > expected else bend)
 
     def fit(self, count: int, degree: int) -> tuple[float, float]:
-        """The derivative of this degree of the relative rate at the latest of the first `count` samples, and its standard error [1/s^degree].
+        """The derivative of this degree of the relative rate at the latest of the first `count` samples, and its standard error
+        [1/s^degree].
 
-        From a polynomial of this degree through as many of the latest samples as it fits: chi^2 within three deviations of its expectation.
+        From a polynomial of this degree through as many of the latest samples as it fits: chi^2 within three deviations of its
+        expectation.
         """
         if count <= degree:
             return 0.0, np.inf
@@ -371,8 +373,8 @@ def _longest_for_bias(course: _Course, allowed: float) -> float:
 def _cheapest_share(course: _Course, goal: Goal, longest: float) -> tuple[float, float]:
     """How bias and noise divide the tolerance e, so that warm-ups and samples cost least.
 
-    With a bias b e and a standard deviation s(b) e such that a normal error lies within e with the confidence asked, a life takes life / D(b)
-    warm-ups and samples of (noise density) / (s e)^2 seconds in all. Returns b and s.
+    With a bias b e and a standard deviation s(b) e such that a normal error lies within e with the confidence asked, a life takes
+    life / D(b) warm-ups and samples of (noise density) / (s e)^2 seconds in all. Returns b and s.
     """
     share = np.linspace(0.02, 0.9, 89)
     deviation = _deviation_beside(share, goal.confidence)
@@ -397,8 +399,8 @@ def _deviation_beside(bias: np.ndarray, confidence: float) -> np.ndarray:
 def _window_needed(course: _Course, before: float, after: float, left: float, allowed: float) -> float:
     """Length of a sample [s] such that samples in proportion to the time they stand for keep the variance of life [s2] allowed.
 
-    The sample stands for half of the jumps before and after it; the time `left` comes after it. Where earlier samples used up more than their
-    part, the window is at most twice the one planned: what cannot be made good cheaply is told in the error.
+    The sample stands for half of the jumps before and after it; the time `left` comes after it. Where earlier samples used up more
+    than their part, the window is at most twice the one planned: what cannot be made good cheaply is told in the error.
     """
     weight = course.quadrature
     weight[-1] += 0.5 * before  # of the sample before, whose jump is known by now

@@ -63,8 +63,8 @@ def standard_error(block_rate: np.ndarray) -> np.ndarray:
 
         error^2 = g C_0 / (n - g)
 
-    with the variance C_0 of the n blocks of each facet around their mean, and the statistical inefficiency g of all facets together. Around
-    their own mean C_0 is too small by the part g/n; the divisor n - g makes up for it.
+    with the variance C_0 of the n blocks of each facet around their mean, and the statistical inefficiency g of all facets together.
+    Around their own mean C_0 is too small by the part g/n; the divisor n - g makes up for it.
 
     Parameters
     ----------
@@ -88,9 +88,9 @@ def standard_error(block_rate: np.ndarray) -> np.ndarray:
 def statistical_inefficiency(series: np.ndarray) -> float:
     """How many consecutive blocks tell as much as one independent one: g = 1 + 2 sum_k (1 - k/n) C_k / C_0.
 
-    The sum ends before the first pair C_2j + C_2j+1 that is not positive. Covariances of all columns are added before they are divided, so
-    that many noisy facets give one firm answer. Around the sample's own mean every covariance is too small by the variance of
-    that mean, g C_0 / n; it is added back and the sum taken anew, three times.
+    The sum ends before the first pair C_2j + C_2j+1 that is not positive. Covariances of all columns are added before they are
+    divided, so that many noisy facets give one firm answer. Around the sample's own mean every covariance is too small by the
+    variance of that mean, g C_0 / n; it is added back and the sum taken anew, three times.
 
     Parameters
     ----------
@@ -102,9 +102,9 @@ def statistical_inefficiency(series: np.ndarray) -> float:
     float
         1 (independent) to b/2.
 
-    **Source** Geyer, Statistical Science 7 (1992) 473-483, initial positive sequence; Chodera et al., J. Chem. Theory Comput. 3 (2007) 26-41,
-    eq. 20-22; for what is added back, Anderson, The Statistical Analysis of Time Series (1971), section 8.2. **Valid for** correlation
-    that is positive and decays; an oscillating flow sampled for less than a few periods is not seen.
+    **Source** Geyer, Statistical Science 7 (1992) 473-483, initial positive sequence; Chodera et al., J. Chem. Theory Comput. 3
+    (2007) 26-41, eq. 20-22; for what is added back, Anderson, The Statistical Analysis of Time Series (1971), section 8.2. **Valid
+    for** correlation that is positive and decays; an oscillating flow sampled for less than a few periods is not seen.
     """
     rows = np.asarray(series, float).reshape(len(series), -1)
     blocks = len(rows)
@@ -128,7 +128,8 @@ def steady_from(series: np.ndarray) -> int:
     """The first block from which the flow is steady: the start that leaves the most independent blocks.
 
     A start too early keeps a drift, which looks like a long correlation; a start too late throws good blocks away. Both
-    leave few effective blocks (n - start) / g(start), so the largest number of them marks the end of the warm-up. Starts are tried up to three quarters.
+    leave few effective blocks (n - start) / g(start), so the largest number of them marks the end of the warm-up. Starts are tried up
+    to three quarters.
 
     Parameters
     ----------
@@ -140,8 +141,8 @@ def steady_from(series: np.ndarray) -> int:
     int
         Index of the first steady block; 0 for a series shorter than eight blocks or without scatter.
 
-    **Source** Chodera, J. Chem. Theory Comput. 12 (2016) 1799-1805, eq. 10-12. **Valid for** a warm-up that ends within the series: one that
-    fills all of it cannot be told from a steady, slowly correlated flow.
+    **Source** Chodera, J. Chem. Theory Comput. 12 (2016) 1799-1805, eq. 10-12. **Valid for** a warm-up that ends within the series:
+    one that fills all of it cannot be told from a steady, slowly correlated flow.
     """
     series = np.asarray(series, float)
     blocks = len(series)
