@@ -20,5 +20,5 @@ def test_second_order():
 
 @pytest.mark.slow
 def test_everything_claimed():
-    failed = [claim.claim for claim in jump.claims() if not claim.holds]
+    failed = [claim.claim for claim in jump.everything() if not claim.holds]
     assert not failed
