@@ -36,7 +36,8 @@ class Plant:
     @property
     def noise_density(self) -> float:
         """[s] relative variance of a mean rate times the length of the sample, at the worst facet"""
-        smoothed = np.square(self.spread).sum(axis=1).max() if len(self.spread) else 1.0
+        worst = int(np.argmax(self.law(np.zeros(self.facets))))
+        smoothed = float(np.square(self.spread[worst]).sum()) if len(self.spread) else 1.0
         return self.noise**2 * smoothed * BLOCK * (1.0 + self.memory) / (1.0 - self.memory)
 
 
