@@ -1,0 +1,215 @@
+"""Flows by formula: liners whose rate of wear is known, seen through the noise and the delay of a sampled flow."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+from wearfem.wear.jump import Bounds, Goal, Life, choose_jump, end_of_life, is_trusted
+from wearfem.wear.sampling import FEWEST_BLOCKS, Sample, steady_from
+
+RATE = 1e-9  # [m/s] about 0.1 mm a day
+ALLOWED = 10e-3  # [m]
+BLOCK = 0.25  # [s]
+PILOT = 40  # blocks of steady flow before anything is asked of them
+
+
+@dataclass(frozen=True)
+class Plant:
+    """A liner on which the rate follows from the depth, and a flow that shows it late and with noise."""
+
+    name: str
+    law: Callable[[np.ndarray], np.ndarray]  # depth (f,) [m] -> rate (f,) [m/s]
+    life: float  # [s] true
+    facets: int = 1
+    noise: float = 0.0  # [-] standard deviation of a block's rate over the rate
+    memory: float = 0.0  # [-] correlation of one block with the next
+    delay: float = 0.0  # [s] in which the flow forgets most (1 - 1/e) of the old geometry
+    spread: np.ndarray = field(default_factory=lambda: np.zeros(0))  # (f, f) smoothing of the noise
+
+    @property
+    def goal(self) -> Goal:
+        """Every facet may lose 10 mm"""
+        return Goal(np.full(self.facets, ALLOWED))
+
+    @property
+    def noise_density(self) -> float:
+        """[s] relative variance of a mean rate times the length of the sample, at the worst facet"""
+        worst = int(np.argmax(self.law(np.zeros(self.facets))))
+        smoothed = float(np.square(self.spread[worst]).sum()) if len(self.spread) else 1.0
+        return self.noise**2 * smoothed * BLOCK * (1.0 + self.memory) / (1.0 - self.memory)
+
+
+@dataclass
+class Flow:
+    """The flow over a plant while it is being simulated: what it shows lags behind the geometry."""
+
+    plant: Plant
+    random: np.random.Generator
+    shown: np.ndarray
+    wander: np.ndarray
+    time: float = 0.0  # [s] simulated so far: the cost
+
+    @classmethod
+    def start(cls, plant: Plant, seed: int) -> "Flow":
+        """An empty chute"""
+        random = np.random.default_rng(seed)
+        return cls(plant, random, np.zeros(plant.facets), random.normal(size=plant.facets))
+
+    def blocks(self, depth: np.ndarray, count: int) -> np.ndarray:
+        """(count, f) rates while the geometry stays"""
+        rate, plant = self.plant.law(depth), self.plant
+        rows = np.empty((count, plant.facets))
+        forgets = np.exp(-BLOCK / plant.delay) if plant.delay else 0.0
+        fresh = np.sqrt(1.0 - plant.memory**2) * self.random.normal(size=rows.shape)
+        for row, new in zip(rows, fresh, strict=True):
+            self.shown = rate + (self.shown - rate) * forgets
+            self.wander = plant.memory * self.wander + new
+            noise = plant.spread @ self.wander if len(plant.spread) else self.wander
+            row[:] = self.shown * (1.0 + plant.noise * noise)
+        self.time += count * BLOCK
+        return rows
+
+
+@dataclass(frozen=True)
+class Lived:
+    """A life told by one way of going on, and what it cost."""
+
+    life: float  # [s]
+    cost: float  # [s] of simulated flow
+    cycles: int
+    told: Life | None = None  # what the controller says of its error
+    warm_up: float = 0.0  # [s] of the cost
+    rejected: int = 0
+
+
+def by_jumps(
+    plant: Plant, goal: Goal, seed: int = 0, bounds: Bounds | None = None, at_most: float = np.inf
+) -> Lived:
+    """The cycle as `cycle.py` does it: sample, choose, jump, sample; reject where the jump was too bold."""
+    flow, geometry = Flow.start(plant, seed), [np.zeros(plant.facets)]
+    samples: tuple[Sample, ...] = ()
+    rejected, warm_up, time, window = 0, 0.0, 0.0, 0.0
+    while True:
+        rows = np.empty((0, plant.facets))
+        asked = max(PILOT if not samples else 8, int(np.ceil(window / BLOCK))) + int(
+            samples[0].warm_up / BLOCK if samples else 0
+        )
+        while True:
+            rows = np.vstack((rows, flow.blocks(geometry[-1], asked)))
+            start = steady_from(rows.sum(axis=1)) if plant.delay else 0
+            start = max(start, int(samples[0].warm_up / BLOCK) if samples else 0)
+            if len(rows) - start < max(FEWEST_BLOCKS, int(window / BLOCK)):
+                asked = max(FEWEST_BLOCKS, start)
+                continue
+            trial = (*samples, Sample(time, rows[start:], BLOCK, start * BLOCK))
+            if not is_trusted(trial, goal):
+                break
+            jump = choose_jump(trial, geometry[-1], goal, bounds, at_most)
+            if jump.limited_by != "noise":
+                break
+            asked = max(int(np.ceil(jump.window / BLOCK)) - (len(rows) - start), 1)
+        warm_up += start * BLOCK
+        if not is_trusted(trial, goal):
+            rejected += 1
+            geometry.pop()
+            jump = choose_jump(samples, geometry[-1], goal, bounds, 0.5 * jump.duration)
+        else:
+            samples = trial
+        if jump.duration == 0.0:
+            told = end_of_life(samples, goal)
+            return Lived(told.time, flow.time, len(samples), told, warm_up, rejected)
+        time, window = samples[-1].service_time + jump.duration, jump.window
+        geometry.append(geometry[-1] + jump.recession)
+
+
+def by_multiplier(plant: Plant, multiplier: float, seed: int = 0) -> Lived:
+    """A constant multiplier on the wear while the flow goes on, as the vendors do: no warm-up but the first, no jumps."""
+    flow = Flow.start(plant, seed)
+    flow.blocks(np.zeros(plant.facets), int(np.ceil(5.0 * plant.delay / BLOCK)))
+    depth, time = np.zeros(plant.facets), 0.0
+    while True:
+        rate = flow.blocks(depth, 1)[0]
+        left = float(((ALLOWED - depth) / np.maximum(rate, 1e-30)).min())
+        if left <= multiplier * BLOCK:
+            return Lived(time + left, flow.time, 1)
+        depth = depth + multiplier * BLOCK * np.maximum(rate, 0.0)
+        time += multiplier * BLOCK
+
+
+def by_equal_jumps(plant: Plant, multiplier: float, window: float, seed: int = 0) -> Lived:
+    """Samples of one length, each followed by a jump `multiplier` times as long (Euler); the warm-up is known beforehand."""
+    flow, depth, time, cycles = Flow.start(plant, seed), np.zeros(plant.facets), 0.0, 0
+    while True:
+        flow.blocks(depth, int(np.ceil(5.0 * plant.delay / BLOCK)))
+        rate = flow.blocks(depth, int(np.ceil(window / BLOCK))).mean(axis=0)
+        cycles += 1
+        left = float(((ALLOWED - depth) / np.maximum(rate, 1e-30)).min())
+        if left <= multiplier * window:
+            return Lived(time + left, flow.time, cycles)
+        depth = depth + multiplier * window * np.maximum(rate, 0.0)
+        time += multiplier * window
+
+
+def growing(decades: float = 0.5) -> Plant:
+    """A rate that grows with depth, r = r0 exp(a d / D): life = D / (a r0) (1 - exp(-a))"""
+    a = decades * np.log(10.0)
+    life = ALLOWED / RATE * (1.0 - np.exp(-a)) / a
+    return Plant("accelerating", lambda depth: RATE * np.exp(a * depth / ALLOWED), life)
+
+
+def falling(decades: float = 0.5) -> Plant:
+    """A rate that falls with depth, r = r0 exp(-a d / D)"""
+    return replace(growing(-decades), name="decelerating")
+
+
+def gradient(part: float = 1.0) -> Plant:
+    """A hardness that falls through the thickness, r = r0 (1 + p d / D): life = D / (p r0) ln(1 + p)"""
+    life = ALLOWED / RATE * np.log1p(part) / part
+    return Plant("hardness gradient", lambda depth: RATE * (1.0 + part * depth / ALLOWED), life)
+
+
+def running_in(part: float = 1.0, length: float = 0.2) -> Plant:
+    """r = r0 (1 + p exp(-d/s)), s = length D: life = (D + s ln((1 + p exp(-D/s)) / (1 + p))) / r0"""
+    s = length * ALLOWED
+    life = (ALLOWED + s * np.log((1.0 + part * np.exp(-ALLOWED / s)) / (1.0 + part))) / RATE
+    return Plant("running-in", lambda depth: RATE * (1.0 + part * np.exp(-depth / s)), life)
+
+
+def layered(where: float = 0.43, times: float = 3.0) -> Plant:
+    """A hard layer on a soft one: r0 down to d1, then `times` as fast: life = (d1 + (D - d1) / times) / r0"""
+    border = where * ALLOWED
+    life = (border + (ALLOWED - border) / times) / RATE
+    return Plant("layered", lambda depth: RATE * np.where(depth < border, 1.0, times), life)
+
+
+def field_with_feedback(facets: int = 200) -> Plant:
+    """A pocket on a chute of 200 facets: what has worn around speeds the flow up there, what stands out wears faster."""
+    x = np.linspace(0.0, 2.0, facets)
+    base = RATE * (0.3 + 0.7 * np.exp(-0.5 * ((x - 0.8) / 0.25) ** 2))
+    wide, narrow = _smoothing(x, 0.15), _smoothing(x, 0.03)
+
+    def law(depth: np.ndarray) -> np.ndarray:
+        around = wide @ depth / ALLOWED
+        return base * np.exp(1.2 * around) * np.maximum(1.0 - 2.0 * (depth / ALLOWED - around), 0.0)
+
+    def worn_out(_: float, depth: np.ndarray) -> float:
+        return float(depth.max() - ALLOWED)
+
+    worn_out.terminal = True  # type: ignore[attr-defined]
+    span = (0.0, 5.0 * ALLOWED / RATE)
+    truth = solve_ivp(lambda _, d: law(d), span, np.zeros(facets), events=worn_out, rtol=1e-9, atol=1e-12)
+    return Plant("field with feedback", law, float(truth.t_events[0][0]), facets, spread=narrow)
+
+
+def _smoothing(x: np.ndarray, length: float) -> np.ndarray:
+    weight = np.exp(-0.5 * ((x[:, None] - x) / length) ** 2)
+    return weight / weight.sum(axis=1, keepdims=True)
+
+
+def seen_through_noise(plant: Plant, noise: float = 0.3, memory: float = 0.5, delay: float = 1.0) -> Plant:
+    """The plant as a sampled flow shows it"""
+    if len(plant.spread):  # the noise of a facet is meant after smoothing
+        noise = noise / float(np.sqrt(np.square(plant.spread).sum(axis=1).mean()))
+    return replace(plant, noise=noise, memory=memory, delay=delay)

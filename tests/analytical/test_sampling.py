@@ -1,0 +1,83 @@
+"""The error of a mean of blocks with a known memory, and the end of a known warm-up."""
+
+import numpy as np
+import pytest
+
+from wearfem.errors import UserError
+from wearfem.wear.sampling import Sample, standard_error, statistical_inefficiency, steady_from
+
+
+def remembering(blocks, columns, memory, seed):
+    """An AR(1) series of unit variance."""
+    random = np.random.default_rng(seed)
+    x = random.normal(size=(blocks, columns))
+    for i in range(1, blocks):
+        x[i] = memory * x[i - 1] + np.sqrt(1.0 - memory**2) * x[i]
+    return x
+
+
+def true_error(blocks, memory):
+    """Of the mean of n AR(1) values: sqrt((1 + 2 sum (1 - k/n) memory^k) / n)"""
+    k = np.arange(1, blocks)
+    return np.sqrt((1.0 + 2.0 * ((1.0 - k / blocks) * memory**k).sum()) / blocks)
+
+
+@pytest.mark.parametrize(
+    ("memory", "blocks", "tolerance"),
+    [
+        (0.0, 20, 0.05),  # 2000 columns settle the mean within 2 %; the rest is g >= 1
+        (0.5, 50, 0.05),
+        (0.5, 200, 0.05),
+        (0.8, 200, 0.10),  # 20 correlation times
+        (0.8, 20, 0.40),  # 2 correlation times: too small by a quarter, as the docstring warns
+    ],
+)
+def test_error_of_the_mean(memory, blocks, tolerance):
+    errors = [standard_error(remembering(blocks, 100, memory, seed)).mean() for seed in range(20)]
+    assert np.mean(errors) == pytest.approx(true_error(blocks, memory), rel=tolerance)
+
+
+def test_inefficiency_of_a_long_series():
+    # (1 + m) / (1 - m) = 3 for m = 0.5; 40000 values in all leave 3 %
+    assert statistical_inefficiency(remembering(2000, 20, 0.5, 3)) == pytest.approx(3.0, rel=0.1)
+
+
+def test_equal_blocks_have_no_error():
+    assert (standard_error(np.full((6, 3), 0.1)) == 0.0).all() or standard_error(
+        np.full((6, 3), 0.1)
+    ).max() < 1e-16
+
+
+def test_units_do_not_matter():
+    x = 1.0 + 0.1 * remembering(40, 5, 0.5, 1)
+    np.testing.assert_allclose(standard_error(1e-9 * x), 1e-9 * standard_error(x), rtol=1e-12)  # rounding
+    assert steady_from(1e-9 * x[:, 0]) == steady_from(x[:, 0])
+
+
+@pytest.mark.parametrize(("delay", "height"), [(5, 5.0), (20, 3.0)])
+def test_warm_up_is_found(delay, height):
+    """Better than nothing by half, and never far beyond the warm-up for most."""
+    blocks, starts, left, all_of_it = 200, [], [], []
+    for seed in range(60):
+        series = remembering(blocks, 1, 0.3, seed)[:, 0] + height * np.exp(-np.arange(blocks) / delay)
+        starts.append(steady_from(series))
+        left.append(series[starts[-1] :].mean())
+        all_of_it.append(series.mean())
+    assert delay * 0.5 < np.median(starts) < delay * 4.0  # e^-4 of the height is below the noise of a block
+    # noise alone: sqrt(1.86 / 200) = 0.1, so a bias of 0.13 and 0.30 is cut to about noise
+    assert np.sqrt(np.mean(np.square(left))) < 0.75 * np.sqrt(np.mean(np.square(all_of_it)))
+
+
+def test_steady_from_the_start():
+    assert steady_from(np.ones(50)) == 0
+    assert steady_from(np.arange(5.0)) == 0  # too short to tell
+    starts = [steady_from(remembering(200, 1, 0.0, seed)[:, 0]) for seed in range(40)]
+    assert np.median(starts) <= 20  # a tenth is lost for nothing, at most, by half of the series
+
+
+@pytest.mark.parametrize("rate", [np.ones((3, 2)), np.ones(8), np.full((8, 2), np.nan)])
+def test_bad_samples(rate):
+    with pytest.raises(UserError):
+        Sample(0.0, rate, 0.25)
+    with pytest.raises(UserError, match="above 0"):
+        Sample(0.0, np.ones((8, 2)), 0.0)
