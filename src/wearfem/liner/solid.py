@@ -95,7 +95,7 @@ class Solid:
         """(p,) [m3] integral of each point's shape function: how a force by volume is shared out"""
         total = np.zeros(len(self.point))
         for basis in self.elements(order=2 if self._tetrahedra else 4):
-            share = np.stack([(field[0].value * basis.dx).sum(axis=1) for field in basis.basis])
+            share = np.stack([(np.asarray(field[0]) * basis.dx).sum(axis=1) for field in basis.basis])
             np.add.at(total, basis.element_dofs, share)
         return total
 
@@ -117,8 +117,8 @@ class Solid:
         -------
         share : (p, k) sparse
             int phi_i dA / A of facet k. Columns sum to one, and the shares of a facet have its centroid as their centre, for shape
-            functions sum to one and reproduce positions: force and moment are those of the facet forces at the centroids. All points
-            of the facet are stored, the corners of quadratic triangles with zero.
+            functions sum to one and reproduce positions: force and moment are those of the facet forces at the centroids (of a warped
+            facet: the centroid of its Gauss points). All points of the facet are stored, corners of quadratic triangles with zero.
         area : (k,) [m2]
         """
         whole = self._basis
@@ -126,7 +126,7 @@ class Solid:
         basis = FacetBasis(
             whole.mesh, whole.elem, facets=facet, intorder=4, dofs=whole.dofs, disable_doflocs=True
         )
-        value = np.stack([np.broadcast_to(field[0].value, basis.dx.shape) for field in basis.basis])
+        value = np.stack([np.broadcast_to(np.asarray(field[0]), basis.dx.shape) for field in basis.basis])
         area = basis.dx.sum(axis=1)
         weight = (value * basis.dx).sum(axis=2) / area
         local, column = np.nonzero(np.abs(value).max(axis=2) > 1e-9)  # shape functions that live on the facet
