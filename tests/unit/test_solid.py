@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from wearfem.errors import UserError
-from wearfem.liner.block import Hexahedra, Tetrahedra, block, mapped
+from wearfem.liner.block import Hexahedra, Tetrahedra, block
 from wearfem.liner.liner import Liner
 from wearfem.liner.mesh import SolidMesh
 from wearfem.liner.solid import Solid
 from wearfem.liner.solve import Load, Structure, factorise, solve_elastic
 from wearfem.liner.strength import principal_stress, von_mises
-from wearfem.liner.support import EVERY, Bed, ElasticBolt, Fixed, X, Y, Z
+from wearfem.liner.support import EVERY, Bed, ElasticBolt, Fixed, X, Y, Z, free_motions
 from wearfem.liner.traction import facet_force, load_cases, nodal_traction
 from wearfem.loads import FacetLoads
 from wearfem.material import Material
@@ -59,17 +59,20 @@ def test_the_free_motion_is_named(supports, free):
     assert text.count("translation") + text.count("rotation") == len(free)
 
 
-def test_a_hinge_is_named_with_its_place():
-    """A quarter of a ring on a bed that presses on its bore only may turn about the axis of the bore."""
-
-    def bend(place):
-        radius, angle = 1.0 + place[:, 0], 0.5 * np.pi * place[:, 1]
-        return np.stack([3.0 + radius * np.cos(angle), radius * np.sin(angle), place[:, 2]], axis=1)
-
-    ring = mapped(block((0.0, 0.0, 0.0), (1.0, 1.0, 0.2), (2, 8, 1)), bend)
-    with pytest.raises(UserError) as refused:
-        factorise(Liner(ring, STEEL), Structure([Bed("x_low", 1e9), Fixed("bottom", (Z,))]))
-    assert "leave free the rotation about z through (3, 0, " in str(refused.value)
+def test_hinges_are_named_with_their_place():
+    body = Solid(plate().mesh, STEEL)
+    corners = [
+        np.flatnonzero(np.isclose(body.point, place).all(axis=1))[0]
+        for place in ((0.3, 0, 0.05), (0.3, 0.2, 0.05))
+    ]
+    springs, held = np.zeros((len(body.point), 3, 3)), np.zeros((len(body.point), 3, 3))
+    held[corners[0]] = np.eye(3)
+    assert free_motions(body, held, springs) == [
+        f"rotation about {axis} through {place} m"
+        for axis, place in (("x", "(0.15, 0, 0.05)"), ("y", "(0.3, 0.1, 0.05)"), ("z", "(0.3, 0, 0.025)"))
+    ]  # each axis by its point beside the centre
+    springs[corners[1]] = 1e7 * np.eye(3)
+    assert free_motions(body, held, springs) == ["rotation about y through (0.3, 0.1, 0.05) m"]
 
 
 def test_each_part_of_a_liner_must_be_held():

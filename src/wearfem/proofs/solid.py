@@ -116,7 +116,7 @@ def errors(kind: Cut, cells: int) -> tuple[float, float, float]:
     body = Solid(distorted(cube(kind, cells), 0.6 / cells), STEEL)
     force = np.zeros((len(body.point), 3))
     for part in body.elements(order=6):
-        by_volume = manufactured(np.moveaxis(part.global_coordinates().value, 0, -1))[2]
+        by_volume = manufactured(np.moveaxis(np.asarray(part.global_coordinates()), 0, -1))[2]
         for dofs, shape in zip(part.element_dofs, part.basis, strict=True):
             np.add.at(
                 force,
@@ -126,7 +126,7 @@ def errors(kind: Cut, cells: int) -> tuple[float, float, float]:
     found = with_skin_at(body, manufactured(body.point)[0], force)
     square = np.zeros(4)
     for part in body.elements(order=6):
-        up, gradient, _ = manufactured(np.moveaxis(part.global_coordinates().value, 0, -1))
+        up, gradient, _ = manufactured(np.moveaxis(np.asarray(part.global_coordinates()), 0, -1))
         off, off_gradient = -up, -gradient
         for dofs, shape in zip(part.element_dofs, part.basis, strict=True):
             off = off + found[dofs][:, None, :] * (np.asarray(shape[0]) + 0.0 * part.dx)[..., None]
