@@ -18,7 +18,7 @@ from wearfem.verification.plate_theory import Plate, clamped_plate, supported_pl
         proof.obstacle_course,
         proof.cantilevers,
         proof.powers_of_thickness,
-        proof.worn_pocket,
+        pytest.param(proof.worn_pocket, marks=pytest.mark.slow),
         proof.solid_and_shell,
     ],
     ids=lambda part: part.__name__,

@@ -37,9 +37,10 @@ def test_moments_of_a_supported_plate_are_second_order(h):
     assert orders(np.array(error)).min() > 1.0  # better than the first order of a single triangle
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("one", OBSTACLES, ids=lambda one: one.name)
 def test_the_obstacle_course_converges(one):
     value = np.array([one.computed(n, Rising) for n in (8, 16, 32, 64)]) / one.reference
     step = np.abs(np.diff(value))
-    assert step[-1] < 0.02  # the asked 2 % is more than what the next mesh changes
-    assert step[-1] < step[0]
+    assert step[-1] < 0.02  # from 32 to 64 the value changes by less than the asked 2 %
+    assert abs(value[-1] - 1.0) < 0.02  # and stays within 2 %: 32 is no lucky crossing

@@ -67,12 +67,13 @@ def test_numbering_does_not_matter():
 def test_where_the_nodes_lie_in_the_thickness_does_not_matter():
     """Nodes moved along their normals and levers grown by as much: the same body; nodes move as the levers carry them."""
     mesh, lowered = panel(), panel(offset=0.05)
-    # normals of the lowered cylinder differ at second order of the triangle's size: compare a flat one exactly
     flat = pocket(sheet((0.0, 0.0), (0.6, 0.4), (9, 6), 0.04), 0.04, 0.02, (0.25, 0.2), 0.1)
     below = replace(flat, node=flat.node - [0.0, 0.0, 0.05], offset=flat.offset + 0.05)
     moved, under = solved(flat), solved(below)
     carried = under[:, :3] + np.cross(under[:, 3:], [0.0, 0.0, 0.05])
     assert under[:, 3:] == pytest.approx(moved[:, 3:], abs=ROUNDING * np.abs(moved[:, 3:]).max())
     assert carried == pytest.approx(moved[:, :3], abs=ROUNDING * np.abs(moved[:, :3]).max())
-    tip, same = solved(mesh)[:, 2].min(), solved(lowered)[:, 2].min()
-    assert same == pytest.approx(tip, rel=5e-3)  # 9 facets of a cylinder: second order, 0.2 %
+    moved, under = solved(mesh), solved(lowered)
+    carried = under[:, :3] + np.cross(under[:, 3:], 0.05 * node_normal(lowered))
+    # normals at nodes are those of facets: they differ at second order, 0.1 % of the displacement here
+    assert carried == pytest.approx(moved[:, :3], abs=5e-3 * np.abs(moved[:, :3]).max())

@@ -40,7 +40,8 @@ _AT_ONCE = 20_000  # triangles: what a block needs is some 200 MB
 class Shell:
     """A shell as the solver sees it: see `body.Body`. Its points are the nodes of the mesh.
 
-    Loads on a group of triangles act on the worn face, loads on a group of edges at the nodes; supports hold the nodes.
+    Loads on a group of triangles (k, 3) act on the worn face, loads on edges (k, 2) and points (k, 1) at the nodes; supports hold
+    the nodes.
     """
 
     mesh: ShellMesh
@@ -74,7 +75,7 @@ class Shell:
         return motion
 
     def share(self, group: str) -> tuple[sparse.csr_matrix, np.ndarray]:
-        """Even shares (n, k) of the nodes in each triangle or edge of a group, and their areas [m2] or lengths [m] (k,)."""
+        """Even shares (n, k) of the nodes in each triangle, edge or point of a group, and its area [m2], length [m] or zero (k,)."""
         corner = group_of(self.mesh, group)
         count, corners = corner.shape
         column = np.repeat(np.arange(count), corners)
@@ -83,14 +84,20 @@ class Shell:
             shape=(len(self.mesh.node), count),
         )
         place = self.mesh.node[corner]
-        if corners == 2:
-            return share, np.linalg.norm(place[:, 1] - place[:, 0], axis=1)
-        return share, area_of(axes_of(place)[1])
+        if corners == 3:
+            return share, area_of(axes_of(place)[1])
+        return share, np.linalg.norm(place[:, -1] - place[:, 0], axis=1)
 
     def load(self, group: str, force: np.ndarray) -> np.ndarray:
-        """(n, 6) loads of forces (k, 3) [N] spread evenly over triangles of the worn face, or over edges"""
+        """(n, 6) loads of forces (k, 3) [N] spread evenly over triangles of the worn face, over edges, or on points"""
         corner = group_of(self.mesh, group)
-        return (edge_load if corner.shape[1] == 2 else face_load)(self.mesh, corner, force)
+        if corner.shape[1] == 3:
+            return face_load(self.mesh, corner, force)
+        if corner.shape[1] == 2:
+            return edge_load(self.mesh, corner, force)
+        load = np.zeros((len(self.mesh.node), 6))
+        np.add.at(load[:, :3], corner[:, 0], force)
+        return load
 
     def weight(self, gravity: np.ndarray) -> np.ndarray:
         """(n, 6) see `gravity_load`"""

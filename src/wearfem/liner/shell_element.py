@@ -64,7 +64,9 @@ def thickness_moments(area: np.ndarray, thickness: np.ndarray, power: int) -> np
 def membrane_strain(xy: np.ndarray, poisson_ratio: float) -> tuple[np.ndarray, np.ndarray]:
     """The strains (eps_x, eps_y, gamma_xy) of the optimal triangle from (u, v, theta_z): uniform part and linear part.
 
-    eps = (1/V) L^T u + sum_i zeta_i eps_i,  eps_i = 3/2 sqrt(beta_0) T_e Q_i T_theta u  (Felippa 2003, section 5)
+    eps = (1/V) L^T u + sum_i zeta_i eps_i,  eps_i = 3/2 sqrt(beta_0) T_e Q_i T_theta u
+
+    **Source** Felippa (2003): L in eq. 22, the parameters in eq. 42.
 
     Returns
     -------
@@ -127,7 +129,7 @@ def plate_strain(
     A normal turns by (beta_x, beta_y) = (theta_y, -theta_x), linear between the corners plus 4 zeta_i zeta_j Delta_k along each side k;
     moment equilibrium along the side ties its shear to that, gamma_k = -2/3 phi_k Delta_k, with phi_k = 2 / (kappa (1 - nu)) (h / l_k)^2:
 
-    2/3 l_k (1 + phi_k) Delta_k = w_i - w_j - l_k / 2 (beta_si + beta_sj)      (Katili 1993, eq. 31-36)
+    2/3 l_k (1 + phi_k) Delta_k = w_i - w_j - l_k / 2 (beta_si + beta_sj)      (Katili 1993)
 
     Returns
     -------

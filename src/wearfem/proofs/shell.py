@@ -244,7 +244,7 @@ def worn_pocket() -> Iterator[Claim]:
         order = np.log2((middle[name] - coarse[name]) / (fine[name] - middle[name]))
         limit = fine[name] + (fine[name] - middle[name]) / 3.0
         yield Claim(
-            f"worn plate, {name} under the pocket, 36 x 24", "144 x 96 cells, extrapolated at second order", limit, coarse[name],
+            f"worn plate, {name} under the pocket, 72 x 48", "144 x 96 cells, extrapolated at second order", limit, middle[name],
             unit, 0.02, True, "2 % is asked of solid and shell",
         )  # fmt: skip
         yield Claim(

@@ -35,7 +35,8 @@ def supported_plate(plate: Plate, terms: int = 401) -> tuple[float, float]:
 
     w = sum 16 q / (pi^2 m n) (1 / (D k^4) + 1 / (kappa G h k^2)) sin sin,  k^2 = pi^2 (m^2 + n^2) / a^2, m and n odd
 
-    **Source** Navier's series; for the shear term C. M. Wang, J. N. Reddy, K. H. Lee, Shear Deformable Beams and Plates (2000), eq. 6.2.
+    **Source** Navier's series (Timoshenko and Woinowsky-Krieger, Theory of Plates and Shells, 1959, art. 30); the shear term follows
+    as each sine satisfies Mindlin's equations.
     """
     m = np.arange(1, terms + 1, 2)
     sign = (-1.0) ** ((m - 1) // 2)
