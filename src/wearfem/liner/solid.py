@@ -74,7 +74,7 @@ class Solid:
         """(3p, 3p) [N/m]; degree of freedom 3 i + a moves point i along axis a"""
         shear = self.material.shear_modulus
         lame = 2.0 * shear * self.material.poisson_ratio / (1.0 - 2.0 * self.material.poisson_ratio)
-        total = sparse.csr_matrix((3 * len(self.point),) * 2)
+        shape, parts = (3 * len(self.point),) * 2, []
         for basis in self.elements(order=2 if self._tetrahedra else 4):
             gradient = np.stack([field[0].grad for field in basis.basis])  # (i, a, element, quadrature point)
             count, _, elements, _ = gradient.shape
@@ -85,10 +85,10 @@ class Solid:
             matrix += shear * np.einsum("eicjc,ab->eiajb", product, np.eye(3))
             number = (3 * basis.element_dofs.T[:, :, None] + np.arange(3)).reshape(elements, -1)
             row, column = np.broadcast_arrays(number[:, :, None], number[:, None, :])
-            total = total + sparse.csr_matrix(
-                (matrix.ravel(), (row.ravel(), column.ravel())), shape=total.shape
-            )
-        return total
+            parts.append(sparse.csr_matrix((matrix.ravel(), (row.ravel(), column.ravel())), shape=shape))
+        while len(parts) > 1:  # in pairs: each entry is copied as often as the number of parts can be halved
+            parts = [sum(parts[first + 1 : first + 2], parts[first]) for first in range(0, len(parts), 2)]
+        return parts[0]
 
     @cached_property
     def volume(self) -> np.ndarray:
