@@ -74,7 +74,7 @@ class Solid:
         """(3p, 3p) [N/m]; degree of freedom 3 i + a moves point i along axis a"""
         shear = self.material.shear_modulus
         lame = 2.0 * shear * self.material.poisson_ratio / (1.0 - 2.0 * self.material.poisson_ratio)
-        total = sparse.csr_matrix((3 * len(self.point),) * 2)
+        shape, parts = (3 * len(self.point),) * 2, []
         for basis in self.elements(order=2 if self._tetrahedra else 4):
             gradient = np.stack([field[0].grad for field in basis.basis])  # (i, a, element, quadrature point)
             count, _, elements, _ = gradient.shape
@@ -85,17 +85,17 @@ class Solid:
             matrix += shear * np.einsum("eicjc,ab->eiajb", product, np.eye(3))
             number = (3 * basis.element_dofs.T[:, :, None] + np.arange(3)).reshape(elements, -1)
             row, column = np.broadcast_arrays(number[:, :, None], number[:, None, :])
-            total = total + sparse.csr_matrix(
-                (matrix.ravel(), (row.ravel(), column.ravel())), shape=total.shape
-            )
-        return total
+            parts.append(sparse.csr_matrix((matrix.ravel(), (row.ravel(), column.ravel())), shape=shape))
+        while len(parts) > 1:  # in pairs: each entry is copied as often as the number of parts can be halved
+            parts = [sum(parts[first + 1 : first + 2], parts[first]) for first in range(0, len(parts), 2)]
+        return parts[0]
 
     @cached_property
     def volume(self) -> np.ndarray:
         """(p,) [m3] integral of each point's shape function: how a force by volume is shared out"""
         total = np.zeros(len(self.point))
         for basis in self.elements(order=2 if self._tetrahedra else 4):
-            share = np.stack([(field[0].value * basis.dx).sum(axis=1) for field in basis.basis])
+            share = np.stack([(np.asarray(field[0]) * basis.dx).sum(axis=1) for field in basis.basis])
             np.add.at(total, basis.element_dofs, share)
         return total
 
@@ -117,8 +117,8 @@ class Solid:
         -------
         share : (p, k) sparse
             int phi_i dA / A of facet k. Columns sum to one, and the shares of a facet have its centroid as their centre, for shape
-            functions sum to one and reproduce positions: force and moment are those of the facet forces at the centroids. All points
-            of the facet are stored, the corners of quadratic triangles with zero.
+            functions sum to one and reproduce positions: force and moment are those of the facet forces at the centroids (of a warped
+            facet: the centroid of its Gauss points). All points of the facet are stored, corners of quadratic triangles with zero.
         area : (k,) [m2]
         """
         whole = self._basis
@@ -126,7 +126,7 @@ class Solid:
         basis = FacetBasis(
             whole.mesh, whole.elem, facets=facet, intorder=4, dofs=whole.dofs, disable_doflocs=True
         )
-        value = np.stack([np.broadcast_to(field[0].value, basis.dx.shape) for field in basis.basis])
+        value = np.stack([np.broadcast_to(np.asarray(field[0]), basis.dx.shape) for field in basis.basis])
         area = basis.dx.sum(axis=1)
         weight = (value * basis.dx).sum(axis=2) / area
         local, column = np.nonzero(np.abs(value).max(axis=2) > 1e-9)  # shape functions that live on the facet

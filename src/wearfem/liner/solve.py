@@ -19,7 +19,7 @@ from scipy.sparse.linalg import splu
 from wearfem.errors import UserError
 from wearfem.liner.body import Body
 from wearfem.liner.liner import Liner
-from wearfem.liner.mesh import ShellMesh
+from wearfem.liner.mesh import ShellMesh, group_of
 from wearfem.liner.shell import Shell
 from wearfem.liner.solid import Solid
 from wearfem.liner.strength import Reaction, Strength
@@ -207,7 +207,7 @@ def _multigrid(
 
 
 def _checked(body: Body, group: str, force: np.ndarray) -> np.ndarray:
-    count, force = body.share(group)[0].shape[1], np.asarray(force, float)
+    count, force = len(group_of(body.mesh, group)), np.asarray(force, float)
     if force.shape != (count, 3) or not np.isfinite(force).all():
         raise UserError(
             f"forces of shape {force.shape} were given for '{group}'; finite forces in N of shape ({count}, 3) are needed."

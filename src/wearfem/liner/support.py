@@ -64,8 +64,8 @@ class Bed:
 class ElasticBolt:
     """A bolt to ground, spread evenly over the patch of its group: force [N] per mean displacement [m] of the patch.
 
-    `axial` acts along the mean normal of the patch, `transverse` across it. For a shank of length L, section A and modulus E, axial = E A / L.
-    A patch that tilts is held too, by axial times its second moment over its area.
+    `axial` acts along the mean normal of the patch, `transverse` across it. A shank of length L, section A and modulus E
+    has axial = E A / L. A patch that tilts is held too, by axial times its second moment over its area.
     """
 
     group: str
