@@ -101,7 +101,10 @@ def _depth(liner: Liner, step: float) -> np.ndarray:
 
 def claims() -> Iterator[Claim]:
     """A hill, whose top becomes a shock, and a valley, which opens as a fan, before and beyond the first crossing."""
-    for sign, shape in ((1.0, "hill (shock at the top)"), (-1.0, "valley (fan at the bottom, shocks at its shoulders)")):
+    for sign, shape in (
+        (1.0, "hill (shock at the top)"),
+        (-1.0, "valley (fan at the bottom, shocks at its shoulders)"),
+    ):
         for time, when in ((SMOOTH, "before"), (BEYOND, "beyond")):
             coarse, fine = erode(12, time, sign), erode(24, time, sign)
             yield Claim(
