@@ -88,7 +88,11 @@ def renumbered(mesh, rng):
     node, element, facet = (rng.permutation(len(x)) for x in (mesh.node, mesh.element, mesh.wear))
     number = np.argsort(node)
     group = {name: number[nodes] for name, nodes in mesh.group.items()} | {"wear": number[mesh.wear[facet]]}
-    return replace(mesh, node=mesh.node[node], element=number[mesh.element[element]], group=group), node, facet
+    return (
+        replace(mesh, node=mesh.node[node], element=number[mesh.element[element]], group=group),
+        node,
+        facet,
+    )
 
 
 @pytest.mark.parametrize("kind", [Tetrahedra, Hexahedra], ids=["tetrahedra", "hexahedra"])

@@ -90,7 +90,9 @@ def test_a_step_is_cut_where_the_liner_wears_through(mesh):
     assert 0.7 < result.share < 0.8  # a little is left: 5 % of a facet's length, 1e-3 of a shell
     assert result.liner.service_time == pytest.approx(10.0 * result.share)
     lost = volume(mesh) - volume(result.liner.mesh)
-    assert lost == pytest.approx(result.share * removed_volume(mesh, depth), rel=1e-10)  # as asked of every step
+    assert lost == pytest.approx(
+        result.share * removed_volume(mesh, depth), rel=1e-10
+    )  # as asked of every step
     with pytest.raises(StepTooLong, match="wears through facet") as refused:
         recede(liner, depth)
     assert refused.value.share == result.share
@@ -128,7 +130,9 @@ def test_a_solid_opens_where_it_is_worn_through(kind):
     assert (opening.liner.depth == liner.depth[opening.facet]).all()
     assert opening.liner.service_time == liner.service_time
     left, before = opening.liner.mesh, liner.mesh
-    assert volume(left) + opening.lost == pytest.approx(volume(before), rel=1e-9)  # warped facets cut two ways
+    assert volume(left) + opening.lost == pytest.approx(
+        volume(before), rel=1e-9
+    )  # warped facets cut two ways
     assert (left.node == before.node[opening.node]).all()
     recede(opening.liner, even(left, 1e-5))
 
@@ -160,7 +164,11 @@ def test_a_warped_hexahedron_has_the_volume_of_its_trilinear_map():
                     slope = [1.0 if at[k] else -1.0 for k in range(3)]
                     jacobian += np.outer(
                         x,
-                        [slope[0] * value[1] * value[2], value[0] * slope[1] * value[2], value[0] * value[1] * slope[2]],
+                        [
+                            slope[0] * value[1] * value[2],
+                            value[0] * slope[1] * value[2],
+                            value[0] * value[1] * slope[2],
+                        ],
                     )
                 total += np.linalg.det(jacobian) / 8.0
     assert volume(SolidMesh(node, cube.element)) == pytest.approx(total, rel=1e-14)  # rounding

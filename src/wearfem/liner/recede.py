@@ -158,21 +158,22 @@ def _try(liner: Liner, depth: np.ndarray, share: float, sharp: float) -> LinerMe
         return None
     node = mesh.node + motion
     new = with_nodes(mesh, node)
-    return new if (determinant(new) > 0.0).all() else None
+    return new if float(determinant(new).min()) > 0.0 else None
 
 
 def _held(straight: Offset) -> np.ndarray:
     """What holds the worn nodes: the faces that they offset; a node that does not recede does not slide either."""
-    still = ~straight.displacement.any(axis=1)
-    return np.where(still[:, None, None], np.eye(3), straight.hold)
+    hold = straight.hold.copy()
+    hold[np.abs(straight.displacement).sum(axis=1) == 0.0] = np.eye(3)
+    return hold
 
 
 def _limited(slide: np.ndarray, straight: Offset) -> np.ndarray:
-    """A node slides no further than it recedes."""
+    """A node of the worn face slides no further than it recedes."""
     most = np.linalg.norm(straight.displacement, axis=1)
     size = np.linalg.norm(slide, axis=1)
     part = np.minimum(1.0, np.divide(most, size, out=np.ones(len(size)), where=size > 0.0))
-    return np.where(straight.moved[:, None], part[:, None] * slide, 0.0)
+    return np.where(straight.moved[:, None], part[:, None] * slide, slide)
 
 
 def _thin(mesh: ShellMesh, depth: np.ndarray) -> ShellMesh | None:
