@@ -49,10 +49,13 @@ def offset(
 ) -> Offset:
     """Move the worn face inward by a depth (f,) [m] of its facets.
 
-    A node moves by the u of least length with n.u = -w for each of its merged corners (normal n, depth w) and n.u = 0, which goes first, for
-    the sides that it slides in: on a face along its normal, on an edge to where the two receded faces meet, in a corner to where three meet.
+    A node moves by the u of least length with n.u = -w for each of its merged corners (normal n, depth w) and n.u = 0,
+    which goes first, for
+    the sides that it slides in: on a face along its normal, on an edge to where the two receded faces meet, in a
+    corner to where three meet.
     Eigenvalues of sum n n^T below `FLAT` x the largest are left out. Then w + (volume asked - volume swept) / area is
-    taken at each merged corner until the volume is exact: w >= 0 throughout, what a corner without depth cannot give goes to its neighbours.
+    taken at each merged corner until the volume is exact: w >= 0 throughout, what a corner without depth cannot give
+    goes to its neighbours.
 
     Parameters
     ----------

@@ -83,8 +83,8 @@ def recede(
         share = advance(liner, depth, sharp=sharp).share
         cause = f"wears through facet {event.facet}" if event else "would turn elements over"
         raise StepTooLong(
-            f"{liner.mesh.name}: a depth of up to {1e3 * depth.max():.4g} mm in one step {cause}; take {share:.4g} of it, then remesh, open or "
-            "go on with the rest.",
+            f"{liner.mesh.name}: a depth of up to {1e3 * depth.max():.4g} mm in one step {cause}; take {share:.4g} of it, then remesh, "
+            "open the surface, or go on with the rest.",
             share,
         )
     return _worn(liner, reached, depth, 1.0, service_time, throughput)
@@ -130,7 +130,8 @@ def _require(liner: Liner, depth: np.ndarray) -> None:
     depth = np.asarray(depth)
     if depth.shape != (count,):
         raise UserError(
-            f"{name}: a depth of shape {depth.shape} was given, but the group 'wear' has {count} facets; give one depth for each, in its order."
+            f"{name}: a depth of shape {depth.shape} was given, but the group 'wear' has {count} facets; "
+            "give one depth for each, in its order."
         )
     bad = np.flatnonzero(~np.isfinite(depth) | (depth < 0.0))
     if len(bad):
@@ -164,7 +165,8 @@ def _try(liner: Liner, depth: np.ndarray, share: float, sharp: float) -> LinerMe
 def _held(straight: Offset) -> np.ndarray:
     """What holds the worn nodes: the faces that they offset; a node that does not recede does not slide either."""
     hold = straight.hold.copy()
-    hold[np.abs(straight.displacement).sum(axis=1) == 0.0] = np.eye(3)
+    recedes = np.linalg.norm(straight.displacement, axis=1)
+    hold[recedes <= 1e-9 * recedes.max()] = np.eye(3)
     return hold
 
 
