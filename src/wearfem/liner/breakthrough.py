@@ -143,7 +143,7 @@ def _without(liner: Liner, keep: np.ndarray) -> Opening:
         new = replace(mesh, node=mesh.node[node], element=number[element], group=group)
         lost = SolidMesh(mesh.node, mesh.element[~keep]).volume if (~keep).any() else 0.0
     return Opening(
-        replace(liner, mesh=new, depth=liner.depth[wear_left]), np.flatnonzero(wear_left), node, before
+        replace(liner, mesh=new, depth=liner.depth[wear_left]), np.flatnonzero(wear_left), node, lost
     )
 
 
