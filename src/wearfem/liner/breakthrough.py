@@ -27,7 +27,8 @@ def thickness(mesh: LinerMesh) -> np.ndarray:
     """(f,) [m] what is left under each worn facet.
 
     Of a solid, the least distance from the facet's centre, and from points close to its corners, along its inward normal to where
-    that line leaves the solid: from element to element, so time and memory go with the number of elements in a row. Of a shell, the
+    that line leaves the solid (lines that leave by a side next to the facet do not count; infinity if all do): from
+    element to element, so time and memory go with the number of elements in a row. Of a shell, the
     least at the facet's nodes.
     """
     if isinstance(mesh, ShellMesh):
@@ -203,6 +204,13 @@ def _walk(mesh: SolidMesh) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         distance = np.divide(ahead, towards, out=np.full(towards.shape, np.inf), where=out)
         leaves = distance.argmin(axis=1)
         length[ray] = np.maximum(length[ray], distance[np.arange(len(ray)), leaves])
+        outside = beyond[element, leaves] < 0
+        last = mesh.element[element[outside][:, None], side[leaves[outside]]]
+        own = worn[ray[outside] // lines]
+        beside = (last[:, :, None] == own[:, None, :]).any(
+            axis=(1, 2)
+        )  # out by the side next to it: not through
+        length[ray[outside][beside]] = np.inf
         element = beyond[element, leaves]
         ray, element = ray[element >= 0], element[element >= 0]
         if not len(ray):
