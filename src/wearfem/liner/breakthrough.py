@@ -8,8 +8,9 @@ from scipy.sparse.csgraph import connected_components
 
 from wearfem.liner.corners import facet_area, facet_vector
 from wearfem.liner.liner import Liner
-from wearfem.liner.mesh import _SIDES, WEAR, LinerMesh, ShellMesh, SolidMesh
+from wearfem.liner.mesh import _SIDES, LinerMesh, ShellMesh, SolidMesh
 
+NEAR = 0.9  # of the way from a facet's centre to its corners, where it is measured too
 THIN = 0.05  # of the mean length of the worn facets: what is left when the liner counts as worn through
 
 
@@ -25,8 +26,10 @@ class Breakthrough:
 def thickness(mesh: LinerMesh) -> np.ndarray:
     """(f,) [m] what is left under each worn facet.
 
-    Of a solid, the distance from the facet's centre along its inward normal to where that line leaves the solid: from element
-    to element, so time and memory go with the number of elements in a row. Of a shell, the least at the facet's nodes.
+    Of a solid, the least distance from the facet's centre, and from points close to its corners, along its inward normal to where
+    that line leaves the solid (lines that leave by a side next to the facet do not count; infinity if all do): from
+    element to element, so time and memory go with the number of elements in a row. Of a shell, the
+    least at the facet's nodes.
     """
     if isinstance(mesh, ShellMesh):
         return mesh.thickness[mesh.wear].min(axis=1)
@@ -34,7 +37,10 @@ def thickness(mesh: LinerMesh) -> np.ndarray:
 
 
 def least_thickness(mesh: LinerMesh) -> float:
-    """[m] at which the liner counts as worn through: `THIN` x the mean edge of its worn facets; of a shell, 1e-3 x its thickness"""
+    """[m] at which the liner counts as worn through.
+
+    Of a solid, `THIN` x the mean edge of its worn facets; of a shell, 1e-3 x its largest thickness.
+    """
     if isinstance(mesh, ShellMesh):
         return 1e-3 * float(mesh.thickness.max())
     return THIN * float(np.sqrt(facet_area(mesh.node, mesh.wear)).mean())
@@ -62,11 +68,14 @@ class Opening:
     lost: float  # [m3] taken away with the hole
 
 
-def open_surface(liner: Liner, least: float | None = None, *, margin: float = 1.01) -> Opening:
+def open_surface(liner: Liner, least: float | None = None, *, margin: float = 2.0) -> Opening:
     """Take away what is worn through: the facets with `margin` x `least` [m] or less under them, and the elements below.
 
+    `least` is where a step is cut; with twice as much a facet cannot take another such step.
+
     Pieces that no longer hang on the rest (by a facet; of a shell, an edge) go too: the piece with the most elements stays, and any that
-    has facets of `support` or of a bolt. The other groups lose the facets that have gone; the walls of the hole belong to no group but `opening`.
+    has facets of `support` or of a bolt. The other groups lose the facets that have gone; the walls of the hole belong
+    to no group but `opening`.
     """
     mesh = liner.mesh
     least = least_thickness(mesh) if least is None else least
@@ -108,7 +117,7 @@ def _without(liner: Liner, keep: np.ndarray) -> Opening:
     number = np.full(len(mesh.node), -1)
     number[node] = np.arange(len(node))
     element = mesh.element[keep]
-    before: float = 0.0
+    lost = 0.0
     if isinstance(mesh, ShellMesh):
         edges = np.concatenate([element[:, side] for side in ([0, 1], [1, 2], [2, 0])])
         group = {}
@@ -133,10 +142,9 @@ def _without(liner: Liner, keep: np.ndarray) -> Opening:
             [group.get("opening", np.zeros((0, fresh.shape[1]), int)), number[fresh]]
         )
         new = replace(mesh, node=mesh.node[node], element=number[element], group=group)
-        gone = SolidMesh(mesh.node, mesh.element[~keep])
-        before = gone.volume if (~keep).any() else 0.0
+        lost = SolidMesh(mesh.node, mesh.element[~keep]).volume if (~keep).any() else 0.0
     return Opening(
-        replace(liner, mesh=new, depth=liner.depth[wear_left]), np.flatnonzero(wear_left), node, before
+        replace(liner, mesh=new, depth=liner.depth[wear_left]), np.flatnonzero(wear_left), node, lost
     )
 
 
@@ -175,11 +183,16 @@ def _walk(mesh: SolidMesh) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     worn = mesh.wear
     vector = facet_vector(mesh.node, worn)
     way = -vector / np.linalg.norm(vector, axis=1, keepdims=True)
-    start = mesh.node[worn].mean(axis=1)
+    corner = mesh.node[worn]
+    centre = corner.mean(axis=1)
+    near = centre[:, None] + NEAR * (corner - centre[:, None])
+    start = np.concatenate([centre[:, None], near], axis=1).reshape(-1, 3)
+    lines = worn.shape[1] + 1  # of each facet
+    way = np.repeat(way, lines, axis=0)
     outer = np.argwhere(beyond < 0)
     place = _numbers(mesh.element[outer[:, :1], side[outer[:, 1]]], worn)
-    element, ray = outer[place, 0], np.arange(len(worn))
-    length = np.zeros(len(worn))
+    element, ray = np.repeat(outer[place, 0], lines), np.arange(len(start))
+    length = np.zeros(len(start))
     facets, elements = [ray], [element]
     for _ in range(len(mesh.element)):
         corner = mesh.element[element][:, side].reshape(-1, side.shape[1])
@@ -191,10 +204,17 @@ def _walk(mesh: SolidMesh) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         distance = np.divide(ahead, towards, out=np.full(towards.shape, np.inf), where=out)
         leaves = distance.argmin(axis=1)
         length[ray] = np.maximum(length[ray], distance[np.arange(len(ray)), leaves])
+        outside = beyond[element, leaves] < 0
+        last = mesh.element[element[outside][:, None], side[leaves[outside]]]
+        own = worn[ray[outside] // lines]
+        beside = (last[:, :, None] == own[:, None, :]).any(
+            axis=(1, 2)
+        )  # out by the side next to it: not through
+        length[ray[outside][beside]] = np.inf
         element = beyond[element, leaves]
         ray, element = ray[element >= 0], element[element >= 0]
         if not len(ray):
             break
         facets.append(ray)
         elements.append(element)
-    return length, np.concatenate(facets), np.concatenate(elements)
+    return length.reshape(-1, lines).min(axis=1), np.concatenate(facets) // lines, np.concatenate(elements)

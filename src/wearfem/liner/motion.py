@@ -3,10 +3,9 @@
 from typing import Any
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array
+from scipy.sparse import coo_array, csr_array, kron
 from scipy.sparse.linalg import cg
-from skfem import Basis, BilinearForm, ElementHex1, ElementTetP1, ElementVector, MeshHex, MeshTet
-from skfem.helpers import ddot, sym_grad
+from skfem import Basis, BilinearForm, ElementHex1, ElementTetP1, MeshHex, MeshTet
 
 from wearfem.errors import UserError
 from wearfem.liner.corners import facet_vector, unworn
@@ -58,24 +57,31 @@ def follow(mesh: SolidMesh, displacement: np.ndarray, moved: np.ndarray, held: n
 
 
 @BilinearForm
-def _elastic(u: Any, v: Any, w: Any) -> Any:
-    return ddot(sym_grad(u), sym_grad(v)) / w.volume
+def _slopes(u: Any, v: Any, w: Any) -> Any:
+    return u.grad[w["of_trial"]] * v.grad[w["of_test"]] / w.volume
 
 
 def _stiffness(mesh: SolidMesh) -> csr_array:
-    """(3n, 3n) [-] numbered node by node"""
+    """(3n, 3n) [-] numbered node by node: the integral of strain : strain / volume.
+
+    Put together from the nine products of slopes of scalar functions: 1/2 (grad u : grad v + grad u : grad v^T).
+    """
     hexahedra = mesh.element.shape[1] == 8
     order = FROM_VTK if hexahedra else np.arange(4)
     corner, place = np.ascontiguousarray(mesh.element[:, order].T), np.ascontiguousarray(mesh.node.T)
     if hexahedra:
-        basis = Basis(MeshHex(place, corner, validate=False), ElementVector(ElementHex1()), intorder=2)
+        basis = Basis(MeshHex(place, corner, validate=False), ElementHex1(), intorder=2)
     else:
-        basis = Basis(MeshTet(place, corner, validate=False), ElementVector(ElementTetP1()), intorder=0)
+        basis = Basis(MeshTet(place, corner, validate=False), ElementTetP1(), intorder=0)
     volume = np.abs(basis.dx).sum(axis=1, keepdims=True)
     relative = np.broadcast_to(volume / volume.mean(), basis.dx.shape)
-    matrix = csr_array(_elastic.assemble(basis, volume=relative))
-    dof = basis.nodal_dofs.T.ravel()
-    return matrix if (dof == np.arange(len(dof))).all() else csr_array(matrix[dof][:, dof])
+    total = csr_array((3 * len(mesh.node), 3 * len(mesh.node)))
+    for trial, test in np.ndindex(3, 3):
+        part = csr_array(_slopes.assemble(basis, volume=relative, of_trial=trial, of_test=test))
+        component = np.zeros((3, 3))
+        component[trial, test] = 0.5
+        total = total + kron(part, component + 0.5 * np.eye(3) * (trial == test), format="csr")
+    return csr_array(total)
 
 
 def _free_directions(mesh: SolidMesh, moved: np.ndarray, held: np.ndarray) -> csr_array:

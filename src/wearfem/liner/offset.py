@@ -49,10 +49,13 @@ def offset(
 ) -> Offset:
     """Move the worn face inward by a depth (f,) [m] of its facets.
 
-    A node moves by the u of least length with n.u = -w for each of its merged corners (normal n, depth w) and n.u = 0 for the sides
-    that it slides in: on a face along its normal, on an edge to where the two receded faces meet, in a corner to where three meet.
+    A node moves by the u of least length with n.u = -w for each of its merged corners (normal n, depth w) and n.u = 0,
+    which goes first, for
+    the sides that it slides in: on a face along its normal, on an edge to where the two receded faces meet, in a
+    corner to where three meet.
     Eigenvalues of sum n n^T below `FLAT` x the largest are left out. Then w + (volume asked - volume swept) / area is
-    taken at each merged corner until the volume is exact: w >= 0 throughout, what a corner without depth cannot give goes to its neighbours.
+    taken at each merged corner until the volume is exact: w >= 0 throughout, what a corner without depth cannot give
+    goes to its neighbours.
 
     Parameters
     ----------
@@ -63,7 +66,8 @@ def offset(
     depth
         (f,) [m]; the volume asked is sum depth x area at this, the old, geometry.
     slide
-        (n, 3) [m] motion along the surface that is added; it changes no depth, and the volume that it sweeps is made good.
+        (n, 3) [m] motion along the surface, and of the nodes of sides, that is added; the volume that it sweeps is made good, beside
+        the nodes that sweep it, or in proportion to depth where a curved side sweeps it.
     direction
         (n, 3) unit vectors into the flow; with them nodes move along these only (a shell).
 
@@ -86,13 +90,15 @@ def offset(
     move, hold = _mover(corners, node, direction)
     extra = 0.0 if slide is None else slide
     used = corners.of_worn & (corner_area > 0.0)
-    spread = _neighbours(matrix)
+    spread = _neighbours(corners, matrix)
+    together = _nodewise(corners, corner_area)
     share = _shares(corners, corner_area)
     for _ in range(300):
         displacement = move(w) + extra
-        swept = share @ swept_by_corner(corners, node, displacement).ravel()
-        missing = np.where(used, asked - swept, 0.0)
-        total = float(swept.sum())
+        by_corner = swept_by_corner(corners, node, displacement).ravel()
+        swept, total = share @ by_corner, float(by_corner.sum())
+        elsewhere = (total - swept.sum()) / asked_total if asked_total else 0.0
+        missing = together @ np.where(used, asked * (1.0 - elsewhere) - swept, 0.0)
         if np.abs(missing).sum() <= ROUNDING * asked_total or abs(total - asked_total) <= 1e-15 * asked_total:
             break
         wanted = w + np.divide(missing, corner_area, out=np.zeros(count), where=used)
@@ -125,25 +131,41 @@ def _mover(
 
         return along, np.broadcast_to(np.eye(3), (count, 3, 3))
     normal = _corner_normal(corners, node)
-    uses = _constrains(corners, normal)
-    at, plane = corners.node[uses], normal[uses]
-    matrix = np.zeros((count, 3, 3))
-    np.add.at(matrix, at, plane[:, :, None] * plane[:, None, :])
     touched = np.unique(corners.node[worn])
-    value, vector = np.linalg.eigh(matrix[touched])
-    keep = value > FLAT * value[:, -1:]
-    inverse = np.where(keep, 1.0 / np.where(keep, value, 1.0), 0.0)
-    solve = np.einsum("nik,nk,njk->nij", vector, inverse, vector)
+    side = _side_planes(corners, normal)
+    free = np.eye(3) - _span(_sum_of_squares(corners.node[side], normal[side], count)[touched])[0]
+    within = np.zeros((count, 3, 3))
+    within[touched] = free
+    at = corners.node[worn]
+    plane = np.einsum("cij,cj->ci", within[at], normal[worn])
+    held, solve = _span(_sum_of_squares(at, plane, count)[touched])
 
     def meet(w: np.ndarray) -> np.ndarray:
-        depth = np.where(worn, w, 0.0)[uses]
-        right = np.stack([np.bincount(at, -depth * plane[:, k], count) for k in range(3)], axis=1)
+        right = np.stack([np.bincount(at, -w[worn] * plane[:, k], count) for k in range(3)], axis=1)
         displacement[touched] = np.einsum("nij,nj->ni", solve, right[touched])
         return displacement
 
-    held = np.zeros((count, 3, 3))
-    held[touched] = np.einsum("nik,nk,njk->nij", vector, keep.astype(float), vector)
-    return meet, held
+    hold = np.zeros((count, 3, 3))
+    hold[touched] = held + np.eye(3) - free
+    return meet, hold
+
+
+def _sum_of_squares(at: np.ndarray, vector: np.ndarray, count: int) -> np.ndarray:
+    """(n, 3, 3) sum of v v^T at each node"""
+    total = np.zeros((count, 3, 3))
+    np.add.at(total, at, vector[:, :, None] * vector[:, None, :])
+    return total
+
+
+def _span(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Projector on the directions that symmetric matrices (k, 3, 3) span, eigenvalues above `FLAT` x the largest, and the inverse there."""
+    value, vector = np.linalg.eigh(matrix)
+    keep = value > np.maximum(FLAT * value[:, -1:], 1e-12)
+    inverse = np.where(keep, 1.0 / np.where(keep, value, 1.0), 0.0)
+    return (
+        np.einsum("nik,nk,njk->nij", vector, keep.astype(float), vector),
+        np.einsum("nik,nk,njk->nij", vector, inverse, vector),
+    )
 
 
 def _corner_normal(corners: Corners, node: np.ndarray) -> np.ndarray:
@@ -156,8 +178,8 @@ def _corner_normal(corners: Corners, node: np.ndarray) -> np.ndarray:
     return total / np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1e-300)
 
 
-def _constrains(corners: Corners, normal: np.ndarray) -> np.ndarray:
-    """(c,) bool: worn corners, and corners of sides that a worn node slides in.
+def _side_planes(corners: Corners, normal: np.ndarray) -> np.ndarray:
+    """(c,) bool: corners of sides that a worn node slides in.
 
     A side that goes on from the worn face without a sharp edge is not slid in: it tilts.
     """
@@ -167,7 +189,7 @@ def _constrains(corners: Corners, normal: np.ndarray) -> np.ndarray:
     has = np.linalg.norm(mean, axis=1) > 0.0
     mean /= np.maximum(np.linalg.norm(mean, axis=1, keepdims=True), 1e-300)
     along = (mean[corners.node] * normal).sum(axis=1)
-    return worn | (has[corners.node] & (along < np.cos(SHARP)))
+    return ~worn & has[corners.node] & (along < np.cos(SHARP))
 
 
 def _shares(corners: Corners, area: np.ndarray) -> csr_array:
@@ -190,9 +212,23 @@ def _shares(corners: Corners, area: np.ndarray) -> csr_array:
     return csr_array(direct + part @ by_node)
 
 
-def _neighbours(matrix: csr_array) -> csr_array:
-    """(c, c) means over the neighbours of a corner, weighted by shared area; rows sum to 1."""
-    off = csr_array(matrix - diags_array(matrix.diagonal()))
+def _nodewise(corners: Corners, area: np.ndarray) -> csr_array:
+    """(c, c) sum over the worn corners of a node, shared out by area: where more than three faces meet, none has its way alone."""
+    worn = np.flatnonzero(corners.of_worn)
+    shape = (len(corners.node), int(corners.node.max()) + 1)
+    one = csr_array((np.ones(len(worn)), (worn, corners.node[worn])), shape=shape)
+    total = np.maximum(np.bincount(corners.node[worn], area[worn], shape[1]), 1e-300)
+    part = csr_array((area[worn] / total[corners.node[worn]], (worn, corners.node[worn])), shape=shape)
+    return csr_array(part @ one.T)
+
+
+def _neighbours(corners: Corners, matrix: csr_array) -> csr_array:
+    """(c, c) means over the neighbours of a corner and the other corners of its node, weighted by area; rows sum to 1."""
+    worn = np.flatnonzero(corners.of_worn)
+    shape = (matrix.shape[0], int(corners.node.max()) + 1)
+    root = csr_array((np.sqrt(matrix.sum(axis=1)[worn] / 12.0), (worn, corners.node[worn])), shape=shape)
+    off = csr_array(matrix + root @ root.T)
+    off = csr_array(off - diags_array(off.diagonal()))
     total = off.sum(axis=1)
     scale = np.divide(1.0, total, out=np.zeros(len(total)), where=total > 0.0)
     return csr_array(off.multiply(scale[:, None]))

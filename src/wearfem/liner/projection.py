@@ -34,7 +34,8 @@ def to_corners(corners: Corners, node: np.ndarray, depth: np.ndarray, *, upwind:
     - the L2 projection: M_ij (w_i - w_j), w its solution, and
     - the upwind depth: 2 M_ij (D_i - D_j), D_i = -s_i (largest - least depth around i) / 2. s is 1 where the facets around i
       form a valley, -1 on a peak, so a valley follows its slower facets and a peak its faster: Roe's flux of the
-      Hamilton-Jacobi equation. As differences of D the fluxes lose no volume and are of third order where the surface is smooth; at a kink, they
+      Hamilton-Jacobi equation. As differences of D the fluxes lose no volume and are of third order where the surface
+      is smooth; at a kink, they
       give the shock of the entropy solution instead of ripples.
 
     Parameters
@@ -48,7 +49,8 @@ def to_corners(corners: Corners, node: np.ndarray, depth: np.ndarray, *, upwind:
 
     Source
     ------
-    Zalesak 1979, J. Comput. Phys. 31, eqs. 10-14 (limiter); Kuzmin and Turek 2002, J. Comput. Phys. 175 (fluxes of the consistent mass); Roe
+    Zalesak 1979, J. Comput. Phys. 31, eqs. 10-14 (limiter); Kuzmin and Turek 2002, J. Comput. Phys. 175 (fluxes of the
+    consistent mass); Roe
     1981, J. Comput. Phys. 43 (upwinding by the jump); Osher and Shu 1991, SIAM J. Numer. Anal. 28 (as a Hamiltonian).
 
     Valid for

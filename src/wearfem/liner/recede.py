@@ -83,8 +83,8 @@ def recede(
         share = advance(liner, depth, sharp=sharp).share
         cause = f"wears through facet {event.facet}" if event else "would turn elements over"
         raise StepTooLong(
-            f"{liner.mesh.name}: a depth of up to {1e3 * depth.max():.4g} mm in one step {cause}; take {share:.4g} of it, then remesh, open or "
-            "go on with the rest.",
+            f"{liner.mesh.name}: a depth of up to {1e3 * depth.max():.4g} mm in one step {cause}; take {share:.4g} of it, then remesh, "
+            "open the surface, or go on with the rest.",
             share,
         )
     return _worn(liner, reached, depth, 1.0, service_time, throughput)
@@ -130,7 +130,8 @@ def _require(liner: Liner, depth: np.ndarray) -> None:
     depth = np.asarray(depth)
     if depth.shape != (count,):
         raise UserError(
-            f"{name}: a depth of shape {depth.shape} was given, but the group 'wear' has {count} facets; give one depth for each, in its order."
+            f"{name}: a depth of shape {depth.shape} was given, but the group 'wear' has {count} facets; "
+            "give one depth for each, in its order."
         )
     bad = np.flatnonzero(~np.isfinite(depth) | (depth < 0.0))
     if len(bad):
@@ -158,21 +159,23 @@ def _try(liner: Liner, depth: np.ndarray, share: float, sharp: float) -> LinerMe
         return None
     node = mesh.node + motion
     new = with_nodes(mesh, node)
-    return new if (determinant(new) > 0.0).all() else None
+    return new if float(determinant(new).min()) > 0.0 else None
 
 
 def _held(straight: Offset) -> np.ndarray:
     """What holds the worn nodes: the faces that they offset; a node that does not recede does not slide either."""
-    still = ~straight.displacement.any(axis=1)
-    return np.where(still[:, None, None], np.eye(3), straight.hold)
+    hold = straight.hold.copy()
+    recedes = np.linalg.norm(straight.displacement, axis=1)
+    hold[recedes <= 1e-9 * recedes.max()] = np.eye(3)
+    return hold
 
 
 def _limited(slide: np.ndarray, straight: Offset) -> np.ndarray:
-    """A node slides no further than it recedes."""
+    """A node of the worn face slides no further than it recedes."""
     most = np.linalg.norm(straight.displacement, axis=1)
     size = np.linalg.norm(slide, axis=1)
     part = np.minimum(1.0, np.divide(most, size, out=np.ones(len(size)), where=size > 0.0))
-    return np.where(straight.moved[:, None], part[:, None] * slide, 0.0)
+    return np.where(straight.moved[:, None], part[:, None] * slide, slide)
 
 
 def _thin(mesh: ShellMesh, depth: np.ndarray) -> ShellMesh | None:

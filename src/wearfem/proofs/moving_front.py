@@ -21,7 +21,8 @@ SMOOTH, BEYOND = (
 
 
 def erosion(slope: np.ndarray) -> np.ndarray:
-    """F(p) = p^2 / (1 + p^2) [m/s]: a ductile solid under particles that fall along -z, which wears as the sine of the impact angle squared"""
+    """F(p) = p^2 / (1 + p^2) [m/s]: a ductile solid under particles that fall along -z, which wears as the sine of the
+    impact angle squared"""
     return slope**2 / (1.0 + slope**2)
 
 
