@@ -18,7 +18,7 @@ def flat_plate(
     thickness: float = 20 * mm,
     hole: float = 26 * mm,
     bolts: tuple[tuple[float, float], ...] = BOLTS,
-    size: float = 40 * mm,
+    size: float = 45 * mm,
 ) -> LinerMesh:
     """Tetrahedra of a plate 0 <= x <= length, 0 <= y <= width, 0 <= z <= thickness [m], with holes of diameter `hole` at `bolts`.
 
