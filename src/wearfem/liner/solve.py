@@ -86,6 +86,11 @@ class Factorised:
             return _refined(matrix.tocsc())
         return _multigrid(self.body, free, matrix, scale)
 
+    def respond(self, force: np.ndarray) -> np.ndarray:
+        """(p, m) displacements in equilibrium with loads (p, m) at the points; what acts in held directions goes to the supports."""
+        flat = (self.free @ force.ravel()).ravel()
+        return self._inverse(flat).reshape(force.shape) if flat.any() else np.zeros(force.shape)
+
     def solve(self, load: Load | None = None) -> Strength:
         """The liner under its weight and `load`.
 
@@ -98,10 +103,8 @@ class Factorised:
         force = body.weight(np.array(structure.gravity, float))
         for group, by_facet in (load or Load()).force.items():
             force = force + body.load(group, _checked(body, group, by_facet))
-        shape = force.shape
-        flat = (self.free @ force.ravel()).ravel()
-        displacement = self._inverse(flat).reshape(shape) if flat.any() else np.zeros(shape)
-        residual = (self.stiffness @ displacement.ravel()).reshape(shape) - force
+        displacement = self.respond(force)
+        residual = (self.stiffness @ displacement.ravel()).reshape(force.shape) - force
         reaction = {
             group: _reaction(body, np.einsum("pab,pb->pa", block, residual))
             for group, block in self.held.items()
