@@ -130,8 +130,9 @@ def shade(
         if done.returncode:
             last = done.stderr.strip().splitlines()[-1:] or [f"exit code {done.returncode}"]
             return Shaded(none, _sentence(f"failed ({last[0].strip()})", done.stderr))
-        image = [np.load(folder / f"{k}.npy") for k in range(len(views))]
-    if any(np.ptp(one) == 0 for one in image):
+        made = [folder / f"{k}.npy" for k in range(len(views))]
+        image = [np.load(file) for file in made if file.exists()]
+    if len(image) < len(views) or any(np.ptp(one) == 0 for one in image):
         return Shaded(none, _sentence("drew empty pictures", done.stderr))
     return Shaded(image)
 
