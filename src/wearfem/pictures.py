@@ -339,6 +339,7 @@ def _draw(folder: Path, one: Picture, image: Sequence[np.ndarray | None]) -> Pat
     """The picture as a file; returns its path."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
+    from matplotlib.layout_engine import ConstrainedLayoutEngine
 
     sides = [view.frame[1] for view in one.views]
     shape = float(np.clip(max(half[1] / half[0] for half in sides), 0.25, 1.6))
@@ -347,9 +348,11 @@ def _draw(folder: Path, one: Picture, image: Sequence[np.ndarray | None]) -> Pat
         each /= shape**0.5
     height = float(np.clip(each * shape, 1.6, 8.0))
     panels = len(sides) + (one.spread is not None)
-    figure = Figure(figsize=(each * panels + 1.5, height + 1.6), layout="constrained")
+    figure = Figure(
+        figsize=(each * panels + 1.5, height + 1.6),
+        layout=ConstrainedLayoutEngine(h_pad=0.08, w_pad=0.12, rect=(0.0, 0.02, 1.0, 0.98)),
+    )
     FigureCanvasAgg(figure)
-    figure.get_layout_engine().set(h_pad=0.08, w_pad=0.12, rect=(0.0, 0.02, 1.0, 0.98))
     axes = figure.subplots(1, panels, squeeze=False)[0]
     for place, view, shaded in zip(axes, one.views, image, strict=False):
         scale = paint(place, view, shaded, one.limits, one.colours)

@@ -162,7 +162,7 @@ def _shade_here(folder: Path) -> None:
         body = pyvista.PolyData(node, np.insert(facet, 0, facet.shape[1], axis=1).ravel())
         (body.point_data if view["by_node"] else body.cell_data)["value"] = view["value"]
         width, height = np.maximum(np.round(PIXELS * half / half.max()), 2).astype(int)
-        plotter = pyvista.Plotter(off_screen=True, window_size=(int(width), int(height)), lighting="none")
+        plotter = pyvista.Plotter(off_screen=True, window_size=[int(width), int(height)], lighting="none")
         plotter.add_light(
             pyvista.Light(light_type="headlight")
         )  # what faces the eye has the colour of the bar

@@ -102,7 +102,7 @@ class Factorised:
         body, structure = self.body, self.structure
         force = body.weight(np.array(structure.gravity, float))
         for group, by_facet in (load or Load()).force.items():
-            force = force + body.load(group, _checked(body, group, by_facet))
+            force = force + body.load(group, checked_force(body, group, by_facet))
         displacement = self.respond(force)
         residual = (self.stiffness @ displacement.ravel()).reshape(force.shape) - force
         reaction = {
@@ -209,7 +209,8 @@ def _multigrid(
     return solve
 
 
-def _checked(body: Body, group: str, force: np.ndarray) -> np.ndarray:
+def checked_force(body: Body, group: str, force: np.ndarray) -> np.ndarray:
+    """Forces as (k, 3) [N], one for each facet of the group; refuse all others."""
     count, force = len(group_of(body.mesh, group)), np.asarray(force, float)
     if force.shape != (count, 3) or not np.isfinite(force).all():
         raise UserError(
