@@ -348,10 +348,9 @@ def _draw(folder: Path, one: Picture, image: Sequence[np.ndarray | None]) -> Pat
         each /= shape**0.5
     height = float(np.clip(each * shape, 1.6, 8.0))
     panels = len(sides) + (one.spread is not None)
-    figure = Figure(
-        figsize=(each * panels + 1.5, height + 1.6),
-        layout=ConstrainedLayoutEngine(h_pad=0.08, w_pad=0.12, rect=(0.0, 0.02, 1.0, 0.98)),
-    )
+    head = 0.8 / (height + 1.9)  # for title and note
+    layout = ConstrainedLayoutEngine(h_pad=0.08, w_pad=0.12, rect=(0.0, 0.02, 1.0, 0.98 - head))
+    figure = Figure(figsize=(each * panels + 1.5, height + 1.9), layout=layout)
     FigureCanvasAgg(figure)
     axes = figure.subplots(1, panels, squeeze=False)[0]
     for place, view, shaded in zip(axes, one.views, image, strict=False):
@@ -359,11 +358,14 @@ def _draw(folder: Path, one: Picture, image: Sequence[np.ndarray | None]) -> Pat
     figure.colorbar(scale, ax=list(axes[: len(sides)]), label=one.label, shrink=0.9, aspect=25, pad=0.02)
     if one.spread is not None:
         _count(axes[-1], one.spread)
-    figure.suptitle(f"{one.title}\n", fontsize=13, fontweight="bold")
-    figure.text(0.5, 1.0 - 0.42 / figure.get_figheight(), one.note, ha="center", va="top", fontsize=9)
+    for text, down, style in (
+        (one.title, 0.15, {"fontsize": 13, "fontweight": "bold"}),
+        (one.note, 0.5, {"fontsize": 9}),
+    ):
+        figure.text(0.5, 1.0 - down / figure.get_figheight(), text, ha="center", va="top", **style)
     path = folder / f"{one.name}.png"
     with whole_file(path) as temporary:
-        figure.savefig(temporary, format="png", dpi=150)
+        figure.savefig(temporary, format="png", dpi=120)
     return path
 
 

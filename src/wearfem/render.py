@@ -23,7 +23,7 @@ from wearfem.liner.mesh import triangles
 
 CHILD = (sys.executable, "-m", "wearfem.render")  # the process that may die
 SHARP = np.pi / 6  # [rad] edges that turn by more are drawn dark
-PIXELS = 1500  # of the longer side of a view
+PIXELS = 1100  # of the longer side of a view
 GREY = "#c9ccd1"  # where there is no value
 PACKAGES = {  # Debian's, of the shared libraries that VTK opens
     "libGL.so.1": "libgl1",

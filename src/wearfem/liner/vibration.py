@@ -58,7 +58,8 @@ def lowest_frequencies(ready: Factorised, count: int = 1) -> np.ndarray:
             sigma=0.0,
             OPinv=inverse,
             v0=start,
-            tol=1e-8,
+            tol=1e-6,
+            ncv=min(size - 1, 2 * count + 6),
             return_eigenvectors=False,
         )
     except ArpackNoConvergence as error:
