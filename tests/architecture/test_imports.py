@@ -15,7 +15,9 @@ LAYERS = (
     {"benchmarks"},
     {"report", "report_particles", "study", "verification"},
     {"run"},
-    {"record", "cycle", "progress", "pictures"},
+    {"pictures", "record_mesh"},
+    {"render"},
+    {"record", "cycle", "progress"},
     {"case"},
     {"settings"},
     {"dem", "liner", "wear", "survey"},
@@ -32,8 +34,8 @@ ALONE = {"verification"}  # what the engine is measured against owes nothing to 
 ONLY_IN = {
     "numba": ("jit.py", "dem/gpu.py"),
     "skfem": ("liner/", "wear/smooth.py"),
-    "matplotlib": ("report.py", "report_particles.py", "pictures.py"),
-    "pyvista": ("report.py", "pictures.py"),
+    "matplotlib": ("report.py", "report_particles.py", "pictures.py", "render.py"),
+    "pyvista": ("report.py", "render.py"),
     "click": ("cli.py",),
     "rich": ("progress.py", "report.py", "run.py", "check.py", "verify.py", "bench.py"),
 }

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from wearfem.errors import UserError
 from wearfem.liner.mesh import LinerMesh, ShellMesh, triangles
 from wearfem.material import Material
 from wearfem.surface import Surface
@@ -24,6 +25,12 @@ class Liner:
     def __post_init__(self) -> None:
         if not len(self.depth):
             object.__setattr__(self, "depth", np.zeros(len(self.mesh.wear)))
+        count, depth = len(self.mesh.wear), np.asarray(self.depth, float)
+        if depth.shape != (count,) or not np.isfinite(depth).all():
+            raise UserError(
+                f"{self.mesh.name}: a depth worn so far of shape {depth.shape}, {np.isfinite(depth).sum()} values of it finite, was given, "
+                f"but the group 'wear' has {count} facets; give one finite number in m for each, in its order."
+            )
 
 
 def wear_surface(liner: Liner, displacement: np.ndarray | None = None) -> Surface:
@@ -34,8 +41,20 @@ def wear_surface(liner: Liner, displacement: np.ndarray | None = None) -> Surfac
     liner
         As it is now.
     displacement
-        (n, 3) [m] of the mesh's nodes, where the liner's bending matters to the flow.
+        (n, 3) [m] of the mesh's nodes, where the liner's bending matters to the flow: see `flexure.py`.
+
+    Raises
+    ------
+    UserError
+        for a displacement of the wrong shape or not finite.
     """
+    if displacement is not None and (
+        np.shape(displacement) != liner.mesh.node.shape or not np.isfinite(displacement).all()
+    ):
+        raise UserError(
+            f"{liner.mesh.name}: a displacement of shape {np.shape(displacement)} was given; finite numbers in m of shape "
+            f"{liner.mesh.node.shape} are needed, of this mesh as it is now."
+        )
     mesh = liner.mesh
     node = worn_face(mesh) if isinstance(mesh, ShellMesh) else mesh.node
     node = node if displacement is None else node + displacement

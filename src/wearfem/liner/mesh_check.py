@@ -17,8 +17,8 @@ def check_mesh(mesh: LinerMesh) -> None:
     UserError
         for nodes that belong to no element; elements that are flat, inverted or there twice; a solid whose boundary is not one
         closed surface with two facets at each edge; a shell with three triangles at an edge, with neighbours turned against each
-        other, or without thickness; a group with facets that do not lie on the boundary, look inwards, or are there twice;
-        no group `wear`.
+        other, without thickness, or thicker than it is wide; a group with facets that do not lie on the boundary, look inwards,
+        or are there twice; no group `wear`.
     """
     _check_nodes(mesh)
     _check_elements(mesh)
@@ -100,6 +100,12 @@ def _check_shell(mesh: ShellMesh) -> None:
         raise UserError(
             f"{mesh.name}: the thickness is {mesh.thickness[node]:g} m at node {node}, and not above 0 at {thin.sum()} of "
             f"{len(thin)} nodes; give the plate's thickness in m."
+        )
+    thick, wide = float(mesh.thickness.max()), float(np.linalg.norm(np.ptp(mesh.node, axis=0)))
+    if thick > wide:
+        raise UserError(
+            f"{mesh.name}: the thickness is {thick:g} m, but the whole shell is {wide:.4g} m wide, so it is probably given in mm; give it "
+            f"in m, as {thick:g} * mm."
         )
     _check_directed(mesh, _edges(mesh.element), "triangles")
 

@@ -61,11 +61,15 @@ def read_mesh(
     ------
     UserError
         for a file that is missing or unreadable, with elements of several kinds, by its size in millimetres, for a shell without
-        thickness, and for all that `check_mesh` refuses.
+        thickness, for a scale that is not above zero, and for all that `check_mesh` refuses.
     """
     path = Path(path)
     if not path.is_file():
         raise UserError(f"There is no mesh file {path}; give the path of a file with elements.")
+    if scale is not None and not 0.0 < scale < np.inf:
+        raise UserError(
+            f"{path}: the scale is {scale!r}; give the metres in one unit of the file, such as scale=mm."
+        )
     file = _read(path)
     point = np.asarray(file.points, float)
     if point.ndim != 2 or point.shape[1] != 3:

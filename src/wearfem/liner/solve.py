@@ -86,6 +86,11 @@ class Factorised:
             return _refined(matrix.tocsc())
         return _multigrid(self.body, free, matrix, scale)
 
+    def respond(self, force: np.ndarray) -> np.ndarray:
+        """(p, m) displacements in equilibrium with loads (p, m) at the points; what acts in held directions goes to the supports."""
+        flat = (self.free @ force.ravel()).ravel()
+        return self._inverse(flat).reshape(force.shape) if flat.any() else np.zeros(force.shape)
+
     def solve(self, load: Load | None = None) -> Strength:
         """The liner under its weight and `load`.
 
@@ -97,11 +102,9 @@ class Factorised:
         body, structure = self.body, self.structure
         force = body.weight(np.array(structure.gravity, float))
         for group, by_facet in (load or Load()).force.items():
-            force = force + body.load(group, _checked(body, group, by_facet))
-        shape = force.shape
-        flat = (self.free @ force.ravel()).ravel()
-        displacement = self._inverse(flat).reshape(shape) if flat.any() else np.zeros(shape)
-        residual = (self.stiffness @ displacement.ravel()).reshape(shape) - force
+            force = force + body.load(group, checked_force(body, group, by_facet))
+        displacement = self.respond(force)
+        residual = (self.stiffness @ displacement.ravel()).reshape(force.shape) - force
         reaction = {
             group: _reaction(body, np.einsum("pab,pb->pa", block, residual))
             for group, block in self.held.items()
@@ -206,7 +209,8 @@ def _multigrid(
     return solve
 
 
-def _checked(body: Body, group: str, force: np.ndarray) -> np.ndarray:
+def checked_force(body: Body, group: str, force: np.ndarray) -> np.ndarray:
+    """Forces as (k, 3) [N], one for each facet of the group; refuse all others."""
     count, force = len(group_of(body.mesh, group)), np.asarray(force, float)
     if force.shape != (count, 3) or not np.isfinite(force).all():
         raise UserError(

@@ -8,7 +8,7 @@ from wearfem.errors import UserError
 from wearfem.liner.body import Body
 from wearfem.liner.liner import Liner
 from wearfem.liner.mesh import WEAR, triangles
-from wearfem.liner.solve import Load, body_of
+from wearfem.liner.solve import Load, body_of, checked_force
 from wearfem.loads import FacetLoads
 
 
@@ -41,7 +41,7 @@ def nodal_traction(liner: Liner, force_by_facet: np.ndarray) -> tuple[np.ndarray
         reproduce positions. Loads of a shell have moments: of the lever from the worn face to the nodes.
     """
     body = body_of(liner)
-    return body.point, body.load(WEAR, force_by_facet)
+    return body.point, body.load(WEAR, checked_force(body, WEAR, force_by_facet))
 
 
 def resultant(body: Body, load: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -92,3 +92,28 @@ def clamped_plate(plate: Plate, functions: int = 14) -> float:
     size = 1.0 / np.sqrt(np.diag(energy))
     answer = size * np.linalg.solve(energy * np.outer(size, size), load * size)
     return float(answer[: functions**2] @ np.kron(centre[even], centre[even]))
+
+
+def supported_frequency(plate: Plate, density: float) -> float:
+    """[Hz] lowest natural frequency of a simply supported plate by Mindlin's theory, with shear and rotary inertia.
+
+    Its shape is sin sin with k^2 = 2 pi^2 / a^2; deflection and rotation are the two unknowns of
+    ((kappa G h k^2, -kappa G h k), (-kappa G h k, D k^2 + kappa G h)) - omega^2 diag(rho h, rho h^3 / 12).
+
+    **Source** Mindlin, J. Appl. Mech. 18 (1951) 31-38; thin: omega = 2 pi^2 / a^2 sqrt(D / rho h).
+    """
+    k = math.sqrt(2.0) * math.pi / plate.side
+    shear, bending = plate.shear_stiffness, plate.bending_stiffness
+    stiffness = np.array([[shear * k**2, -shear * k], [-shear * k, bending * k**2 + shear]])
+    mass = np.array([density * plate.thickness, density * plate.thickness**3 / 12.0])
+    square = np.linalg.eigvalsh(stiffness / np.sqrt(np.outer(mass, mass)))
+    return float(np.sqrt(square[0])) / (2.0 * math.pi)
+
+
+def clamped_frequency(plate: Plate, density: float) -> float:
+    """[Hz] lowest natural frequency of a thin clamped plate: omega = 35.992 / a^2 sqrt(D / rho h).
+
+    **Source** Leissa, J. Sound Vib. 31 (1973) 257-293, by Ritz's method, so an upper bound. **Valid for** thin plates.
+    """
+    speed = math.sqrt(plate.bending_stiffness / (density * plate.thickness))
+    return 35.992 / plate.side**2 * speed / (2.0 * math.pi)
