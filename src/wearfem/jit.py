@@ -6,9 +6,9 @@ Every compiled function of wearfem is decorated here and nowhere else, so that o
   vectorisation (measured: 37.8 ns against 16.8 ns a contact).
 * no ``fastmath``: it gave nothing and costs reproducibility.
 * threading layer ``omp``: 1.7 us a parallel region (``workqueue`` 122 us, ``tbb`` 519 us).
-* ``GOMP_SPINCOUNT``: a thread that waits for the others gives way after a while, where libgomp's own value lets it burn a core
-  that another program has work for. Its gain on a busy machine varied from run to run (0.3-3.4 without, 1.1-3.8 million
-  particle-steps/s with it, load 5 on 2 cores); on an idle machine it was not measured.
+* ``GOMP_SPINCOUNT=1000``: a thread that waits for the others sleeps after about a microsecond. libgomp's own value lets it burn a
+  core that another program has work for (5 000 particles on 2 cores, load 5, in turns: 1.4 million particle-steps/s with libgomp's
+  value, 4.0 with 20 000, 7.5 with 1000).
 * ``cache=True`` does not notice an edited law in another file, so the cache directory carries a hash of the sources.
 """
 
@@ -42,6 +42,7 @@ def _cache_directory() -> str:
 
 
 os.environ.setdefault("NUMBA_CACHE_DIR", _cache_directory())
+os.environ.setdefault("GOMP_SPINCOUNT", "1000")  # read when libgomp is loaded
 os.environ.setdefault("NUMBA_THREADING_LAYER_PRIORITY", "omp workqueue tbb")  # omp needs libgomp1
 
 import numba  # noqa: E402  (the cache directory must be named before numba is imported)
