@@ -84,7 +84,7 @@ def line(report: CycleReport, case: LifeCase, elapsed: float, state: State, resu
         f"deepest {1e3 * report.depth.max():.4g} mm",
         f"{1e6 * report.worn_volume:.4g} cm3",
         f"jump {words(report.taken * jump.duration)} ({'end' if state.ended else jump.limited_by})",
-        f"left at this rate {words(left)} +- {words(interval)} ({case.goal.confidence:.0%})",
+        f"end of life at {words(life.time)} +- {words(interval)} ({case.goal.confidence:.0%}, at this rate)",
     ]
     if report.strain is not None:
         parts.append(f"von Mises {1e-6 * report.strain.largest_von_mises:.4g} MPa")
