@@ -15,7 +15,7 @@ from wearfem.errors import UserError
 from wearfem.liner.breakthrough import Breakthrough, open_surface, thickness
 from wearfem.liner.curvature import largest_curvature, shortest_edge
 from wearfem.liner.liner import Liner, wear_surface
-from wearfem.liner.recede import Recession, advance, volume
+from wearfem.liner.recede import advance, volume
 from wearfem.liner.remesh import carry, remesh, renew
 from wearfem.liner.solve import factorise
 from wearfem.liner.traction import load_cases
@@ -29,7 +29,8 @@ Tell = Callable[[float, str], None]
 
 PIECE = 8  # blocks that are sampled at once: their histograms are the largest thing in memory
 LEAST = 8  # blocks of a sample
-PATIENCE = 50  # times the length planned, after which a flow counts as never steady
+PATIENCE = 50  # times the window given for the first sample, which it may become for its noise
+ROUNDS = 6  # in which a mesh takes a jump, made anew or opened between them
 LEAST_TAKEN = 1e-3  # part of a jump: a mesh that takes less does not recede
 ROUNDING = 1e-9  # part of a service time that is no time
 
@@ -217,12 +218,13 @@ def sample_rate(
             if jump is None or jump.limited_by != "noise":
                 return flow, Measured(sample, pieces.total, pieces.by_block)
             least = int(np.ceil(jump.window / block - ROUNDING))
+            if jump.window > PATIENCE * case.window.duration:
+                raise UserError(
+                    f"the rate of wear on {surface.name} is so noisy that the first sample would have to be {jump.window:.3g} s long, "
+                    f"with a window of {case.window.duration:.3g} s given: give the case a longer window, a larger tolerance than "
+                    f"{goal.tolerance:g} or a larger smoothing_length"
+                )
         asked = max(least - steady, FEWEST_BLOCKS)
-        if len(rate) > PATIENCE * (known + least):
-            raise UserError(
-                f"the flow over {surface.name} is not steady after {len(rate) * block:.4g} s, {PATIENCE} times as long as was planned: "
-                "look whether it builds up or runs empty"
-            )
 
 
 def _sample_pieces(
@@ -346,7 +348,7 @@ def bounds_of(case: LifeCase, liner: Liner, surface: Surface) -> Bounds:
 def next_jump(case: LifeCase, worn: Worn, goal: Goal, bounds: Bounds, at_most: float) -> Jump:
     """The jump after the last sample that is trusted, no further than the stop."""
     left = case.stop.service_time - worn.liner.service_time
-    if left <= ROUNDING * case.stop.service_time:
+    if left <= ROUNDING * worn.liner.service_time:
         return Jump(0.0, "asked", 0.0, 0.0, 0.0, np.zeros_like(worn.receded))
     return choose_jump(worn.samples, worn.receded, goal, bounds, min(at_most, left))
 
@@ -375,20 +377,30 @@ def move(case: LifeCase, worn: Worn, jump: Jump) -> tuple[Worn, float, str]:
             throughput=worn.liner.throughput + jump.duration * case.throughput_rate,
         )
         return replace(worn, liner=liner, receded=worn.receded + jump.recession), 1.0, ""
-    recession = _advance(case, worn.liner, jump.recession, jump.duration)
-    taken = recession.share
-    moved = replace(worn, liner=recession.liner, receded=worn.receded + taken * jump.recession)
-    event = ""
-    if recession.breakthrough is None and recession.remesh_needed:
-        moved, carried, event = _meshed_again(case, moved)
-        if taken < 1.0:  # the rest of the jump, by the new mesh
-            rest = carried((1.0 - taken) * jump.recession)
-            recession = _advance(case, moved.liner, rest, (1.0 - taken) * jump.duration)
-            taken += recession.share * (1.0 - taken)
-            moved = replace(moved, liner=recession.liner, receded=moved.receded + recession.share * rest)
-    if recession.breakthrough is not None:
-        moved, event = _worn_through(case, moved, recession.breakthrough)
-    if taken < LEAST_TAKEN and recession.breakthrough is None:
+    moved, rest, taken, event = worn, jump.recession, 0.0, ""
+    for _ in range(ROUNDS):
+        left = 1.0 - taken
+        recession = advance(
+            moved.liner,
+            rest,
+            service_time=left * jump.duration,
+            throughput=left * jump.duration * case.throughput_rate,
+        )
+        moved = replace(moved, liner=recession.liner, receded=moved.receded + recession.share * rest)
+        taken, rest = taken + recession.share * left, (1.0 - recession.share) * rest
+        if recession.breakthrough is not None:
+            event = _where(recession.breakthrough)
+            if case.stop.breakthrough:
+                return moved, taken, event
+            opened = _opened(moved)
+            if len(opened.receded) < len(moved.receded):
+                return opened, taken, f"{event}, opened"
+        elif recession.remesh_needed:
+            moved, carried, event = _meshed_again(case, moved)
+            rest = carried(rest)
+        if taken > 1.0 - ROUNDING:
+            return moved, 1.0, event
+    if taken < LEAST_TAKEN:
         raise UserError(
             f"{worn.liner.mesh.name} cannot recede with the elements that it has: give the case another element_size, or a "
             "smoothing_length of a few facets"
@@ -396,20 +408,17 @@ def move(case: LifeCase, worn: Worn, jump: Jump) -> tuple[Worn, float, str]:
     return moved, taken, event
 
 
-def _advance(case: LifeCase, liner: Liner, depth: np.ndarray, duration: float) -> Recession:
-    return advance(liner, depth, service_time=duration, throughput=duration * case.throughput_rate)
-
-
-def _worn_through(case: LifeCase, worn: Worn, hole: Breakthrough) -> tuple[Worn, str]:
-    """The liner with the hole open, where the life goes on around it."""
+def _where(hole: Breakthrough) -> str:
     x, y, z = hole.place
-    event = f"worn through at ({x:.4g}, {y:.4g}, {z:.4g}) m"
-    if case.stop.breakthrough:
-        return worn, event
+    return f"worn through at ({x:.4g}, {y:.4g}, {z:.4g}) m"
+
+
+def _opened(worn: Worn) -> Worn:
+    """The liner without what is worn through. A hole of one facet, which the mesh spreads over its neighbours, opens nothing yet."""
     opening = open_surface(worn.liner)
     if not len(opening.facet):
         raise UserError(f"{worn.liner.mesh.name} has no worn face left: all of it is worn through")
-    return _on_other_facets(worn, opening.liner, lambda field: field[..., opening.facet]), f"{event}, opened"
+    return _on_other_facets(worn, opening.liner, lambda field: field[..., opening.facet])
 
 
 def _meshed_again(case: LifeCase, worn: Worn) -> tuple[Worn, Callable[[np.ndarray], np.ndarray], str]:

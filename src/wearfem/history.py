@@ -177,8 +177,6 @@ def _thickness(told: Sequence[CycleReport], worn: Worn, gained: np.ndarray) -> n
 
 def write_worn_face(path: Path, worn: Worn, report: CycleReport) -> None:
     """The worn face that a cycle sampled, with what it found there, for ParaView and pyvista."""
-    if path.exists():  # of a cycle that was killed before its own file was whole
-        path.unlink()
     surface = wear_surface(worn.liner)
     loads = report.loads
     over = np.where(loads.area > 0.0, loads.area, np.inf) * loads.duration.sum()

@@ -11,7 +11,7 @@ import re
 import subprocess
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass, fields, is_dataclass
 from datetime import UTC, datetime
 from hashlib import sha256
@@ -205,6 +205,18 @@ def whole_file(path: Path) -> Iterator[Path]:
         raise UserError(f"cannot write {path} ({reason}): make room there or choose another place") from error
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def sweep(run: Path) -> None:
+    """Take away what killed processes left half written in a run folder; their final names never saw it."""
+    for part in run.rglob(".*.part"):
+        try:
+            os.kill(int(part.name.split(".")[-2]), 0)
+        except ProcessLookupError:
+            with suppress(OSError):  # it takes room and does no harm
+                part.unlink()
+        except (OSError, ValueError, OverflowError):
+            continue  # of a process that lives, or none of ours
 
 
 def require_writable(file: Path) -> None:

@@ -19,6 +19,7 @@ from wearfem.record import (
     now,
     read_manifest,
     require_writable,
+    sweep,
     write_json,
     write_loads,
     write_surface,
@@ -102,6 +103,7 @@ def resume_run(run: Path, json_file: Path | None = None, quiet: bool = False) ->
     if begun["finished"] is not None:
         raise UserError(f"the run in {run} is finished ({begun['finished']}): there is nothing to resume")
     check_same(run, begun, manifest(case, now()))
+    sweep(run)
     print(f"{case.name}: going on in {run}", flush=True)
     return _live(case, RunFolder(run), datetime.fromisoformat(begun["started"]), json_file, quiet)
 

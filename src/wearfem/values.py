@@ -54,7 +54,7 @@ def read_value(group: h5py.Group, name: str) -> Any:
     """The value written under a name."""
     inner = group[name]
     if isinstance(inner, h5py.Dataset):
-        return inner[()]
+        return np.asarray(inner[()])
     kind = inner.attrs[KIND]
     match kind:
         case "none":

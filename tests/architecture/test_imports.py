@@ -15,7 +15,7 @@ LAYERS = (
     {"benchmarks"},
     {"report", "report_particles", "study", "verification"},
     {"run"},
-    {"life", "history", "record", "cycle", "values", "progress", "pictures"},
+    {"life", "history", "record", "cycle", "formula", "values", "progress", "pictures"},
     {"case"},
     {"settings"},
     {"dem", "liner", "wear", "survey"},

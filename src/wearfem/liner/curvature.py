@@ -8,10 +8,14 @@ from wearfem.units import degree
 
 
 def largest_curvature(surface: Surface, sharp: float = 30.0 * degree) -> np.ndarray:
-    """(f,) [1/m] largest curvature across the edges of each facet, absolute.
+    """(f,) [1/m] largest principal curvature at the corners of each facet, absolute.
 
-    Across an edge whose triangles turn by the angle a, and whose centres are h away from it in all, the curvature is
-    2 sin(a / 2) / h: on a cylinder and a sphere that is 1 / r to second order in h / r.
+    At a node with a third A of the triangles around it, mean and Gaussian curvature are
+
+        H = sum of l b / (4 A),    K = (2 pi - sum of angles) / A,
+
+    over its edges of length l that turn by the angle b, and the angles of its triangles; the larger principal curvature is
+    |H| + sqrt(H^2 - K). A corner at a border or a sharp edge tells nothing; a facet between such corners alone has 0.
 
     Parameters
     ----------
@@ -19,19 +23,37 @@ def largest_curvature(surface: Surface, sharp: float = 30.0 * degree) -> np.ndar
         The worn face.
     sharp
         [rad] Edges that turn by more are edges of the body, not curvature.
+
+    Source
+    ------
+    Meyer, Desbrun, Schroeder and Barr 2003, in Visualization and Mathematics III, 35-57, eqs. 8 and 9; H by edges as in Cohen-Steiner
+    and Morvan 2003, Proc. 19th Symp. Computational Geometry, 312-321.
+
+    Valid for
+    ---------
+    facets smaller than the radius; on irregular meshes it scatters by some tens of per cent.
     """
-    point, triangle = surface.point, surface.triangle
-    twin = neighbours(point, triangle, sharp)
-    edge = np.flatnonzero(twin >= 0)
-    here, there = edge // 3, twin[edge] // 3
-    begin = point[triangle.ravel()[edge]]
-    along = point[np.roll(triangle, -1, axis=1).ravel()[edge]] - begin
-    along /= np.linalg.norm(along, axis=1, keepdims=True)
-    centre = surface.corner.mean(axis=1)
-    apart = sum(_across(centre[side] - begin, along) for side in (here, there))
-    turned = np.linalg.norm(surface.normal[here] - surface.normal[there], axis=1)  # 2 sin(a / 2)
+    triangle, count = surface.triangle, len(surface.point)
+    twin = neighbours(surface.point, triangle, sharp)
+    begin, end = triangle.ravel(), np.roll(triangle, -1, axis=1).ravel()
+    along = surface.point[end] - surface.point[begin]
+    length = np.linalg.norm(along, axis=1)
+    normal = np.repeat(surface.normal, 3, axis=0)
+    here, there = normal, normal[twin]
+    turn = np.arctan2(
+        np.einsum("ei,ei->e", np.cross(here, there), along) / length, np.einsum("ei,ei->e", here, there)
+    )
+    area = np.bincount(begin, np.repeat(surface.area / 3.0, 3), count)
+    each = np.where(twin >= 0, 0.5 * length * turn, 0.0)  # every inner edge is there twice
+    mean = (np.bincount(begin, each, count) + np.bincount(end, each, count)) / (4.0 * area)
+    unit = along / length[:, None]
+    back = np.roll(unit.reshape(-1, 3, 3), 1, axis=1).reshape(-1, 3)
+    angle = np.arccos(np.clip(-np.einsum("ei,ei->e", unit, back), -1.0, 1.0))
+    gauss = (2.0 * np.pi - np.bincount(begin, angle, count)) / area
+    largest = np.abs(mean) + np.sqrt(np.maximum(mean**2 - gauss, 0.0))
+    largest[begin[twin < 0]] = largest[end[twin < 0]] = 0.0
     result = np.zeros(surface.facet_count)
-    np.maximum.at(result, surface.facet[here], turned / apart)
+    np.maximum.at(result, np.repeat(surface.facet, 3), largest[begin])
     return result
 
 
@@ -39,8 +61,3 @@ def shortest_edge(node: np.ndarray, facet: np.ndarray) -> np.ndarray:
     """(f,) [m] of facets (f, 3) or (f, 4) between nodes (n, 3)"""
     corner = node[facet]
     return np.linalg.norm(np.roll(corner, -1, axis=1) - corner, axis=2).min(axis=1)
-
-
-def _across(way: np.ndarray, along: np.ndarray) -> np.ndarray:
-    """(k,) [m] length of ways (k, 3) across directions (k, 3)"""
-    return np.linalg.norm(way - np.einsum("ki,ki->k", way, along)[:, None] * along, axis=1)
