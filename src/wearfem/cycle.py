@@ -213,7 +213,7 @@ def sample_rate(
         start = max(steady_from(rate @ surface.facet_area), known)
         steady = len(rate) - start
         if steady >= least:
-            sample = Sample(state.now.liner.service_time, rate[start:], block, start * block)
+            sample = Sample(state.now.liner.service_time, rate[start:].copy(), block, start * block)
             jump = None if earlier else choose_jump((sample,), state.now.receded, goal, bounds)
             if jump is None or jump.limited_by != "noise":
                 return flow, Measured(sample, pieces.total, pieces.by_block)
