@@ -1,5 +1,6 @@
 """A run that is killed, stopped or starved of its disk goes on to the same bits."""
 
+import gc
 import os
 import random
 import resource
@@ -9,13 +10,15 @@ import subprocess
 import sys
 import tempfile
 import time
+import tracemalloc
 from pathlib import Path
 
 import pytest
 
 from wearfem.case import load_any_case
+from wearfem.cycle import cycle, first_state
 from wearfem.history import cycles_of, read_cycle, read_history
-from wearfem.proofs.cycle import differences, restart
+from wearfem.proofs.cycle import differences, plate, restart
 
 ROOT = Path(__file__).parents[2]
 CASE = ROOT / "cases" / "wearing_plate"
@@ -168,3 +171,47 @@ def test_a_folder_that_became_read_only_is_a_sentence_and_the_last_cycle_stays(u
         for folder in (place, *place.glob("run"), *place.glob("run/*/")):
             folder.chmod(0o755)
         shutil.rmtree(place)
+
+
+@pytest.mark.slow
+def test_particles_go_on_to_the_same_bits(tmp_path):
+    """Killed in its third cycle, by real particles over a plate that sinks."""
+    settings = [
+        "--set",
+        "loads=particles",
+        "--set",
+        "law=constant",
+        "--set",
+        "tolerance=0.1",
+        "--set",
+        "stop=2.4e6",
+    ]
+    begun = [*WEARFEM, "run", str(CASE), "--quiet", *settings]
+    assert finish([*begun, "--out", str(tmp_path / "whole")])[0] == 0
+    process = start([*begun, "--out", str(tmp_path / "run")])
+    while cycles_of(tmp_path / "run") < 2:
+        time.sleep(0.1)
+    process.kill()
+    process.communicate()
+    assert finish(resume(tmp_path / "run"))[0] == 0
+    assert_same(tmp_path / "whole", tmp_path / "run")
+
+
+@pytest.mark.slow
+def test_memory_stays_flat_over_200_cycles():
+    """What grows are the rates of the samples, which the controller weighs anew each cycle, and nothing else."""
+    case, _ = plate(law="constant", tolerance=1e-3, noise=0.02, delay=0.0, cells=8, jumps=200)
+    state, used = first_state(case), {}
+    tracemalloc.start()
+    try:
+        while state.cycle < 200:
+            state, _ = cycle(case, state)
+            if state.cycle in (20, 200):
+                gc.collect()
+                rates = sum(sample.rate.nbytes for sample in state.now.samples)
+                used[state.cycle] = tracemalloc.get_traced_memory()[0] - rates
+    finally:
+        tracemalloc.stop()
+    assert (
+        used[200] - used[20] < 180 * 64 * 8 * 4
+    )  # [B] 4 numbers a cycle and facet: mean and error of a sample, and room for objects

@@ -185,7 +185,9 @@ def test_a_hole_ends_the_life_or_is_opened():
         spare / depth.max(), rel=0.1
     )  # in several rounds: the mesh spreads the deepest places
     assert moved.liner.service_time == pytest.approx(taken * 1e7, rel=1e-9)
-    assert moved.receded.max() == pytest.approx(taken * depth.max(), rel=1e-9)  # sums of parts, also on new elements
+    assert moved.receded.max() == pytest.approx(
+        taken * depth.max(), rel=1e-9
+    )  # sums of parts, also on new elements
     on = replace(case, stop=Stop(breakthrough=False))
     for _ in range(20):
         moved, taken, event = move(on, worn, jump)
