@@ -1,7 +1,7 @@
 """The bottom plate of a rope shovel's bucket, with and without wear bars: `python meshes/bucket_bottom.py` writes three .msh files.
 
-The bucket's drawing is not public: sizes here are those of a bucket of 43 m3 in round figures. The published bars stand at 90 and 45 degrees
-to the direction of digging, +x.
+The bucket's drawing is not public: sizes here are those of a bucket of 43 m3 in round figures. The published bars stand at
+90 and 45 degrees to the direction of digging, +x.
 """
 
 from pathlib import Path
@@ -23,7 +23,7 @@ def bucket_bottom(
     bar_height: float = 60 * mm,
     angle: float = 90 * degree,
     margin: float = 0.2,
-    size: float = 120 * mm,
+    size: float = 100 * mm,
 ) -> LinerMesh:
     """Tetrahedra of a plate 0 <= x <= length, |y| <= width / 2, worn face z = 0 [m], with `bars` straight bars on it.
 

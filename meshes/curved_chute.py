@@ -42,8 +42,8 @@ def curved_chute(
     `width` wide, the sides are `side` wide and rise from it by `slope`. It is meshed straight and then bent. `shell`: triangles of the
     worn face with the plate behind it (offset -thickness / 2); else tetrahedra.
 
-    Groups: `wear` (inside), `zone_arc` (the bottom of the arc), `entry` and `end` (the cut faces, or edges), `rim` (these and the borders of
-    the sides), and of the solid `support` (outside).
+    Groups: `wear` (inside), `zone_arc` (the bottom of the arc), `entry` and `end` (the cut faces, or edges), `rim` (these and the
+    borders of the sides), and of the solid `support` (outside).
     """
     inner, outer = profile(width, side, slope, thickness)
     part = (entry, radius * turn, end)

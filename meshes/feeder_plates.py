@@ -1,7 +1,7 @@
 """The deck of a vibratory feeder as a shell: `python meshes/feeder_plates.py` writes it with edges of 75 mm and of 45 mm.
 
-Printed are the size of the feeder, 5.3 m x 1.8 m, two wear plates, and shells of 30 to 75 mm; its drawings are not public. Chosen here: a flat
-deck of two plates side by side that meet on the centre line, 20 mm thick, held at its edges.
+Printed are the size of the feeder, 5.3 m x 1.8 m, two wear plates, and shells of 30 to 75 mm; its drawings are not public. Chosen
+here: a flat deck of two plates side by side that meet on the centre line, 20 mm thick, held at its two short edges.
 """
 
 from pathlib import Path
@@ -23,8 +23,8 @@ def feeder_plates(
 ) -> LinerMesh:
     """Triangles of a deck 0 <= x <= length, |y| <= width / 2, worn face z = 0 [m], the plate below it (offset -thickness / 2).
 
-    Groups: `wear` (everything), `plate_1` ... (triangles of each plate, from -y), and edges: `support` (x = 0 and x = length), `rim` (all four
-    sides), `joint` (where plates meet).
+    Groups: `wear` (everything), `plate_1` ... (triangles of each plate, from -y), and edges: `support` (x = 0 and x = length),
+    `rim` (all four sides), `joint` (where plates meet).
     """
     each = width / plates
     with gmsh_model(f"feeder_plates_{1e3 * size:.0f}", size) as gmsh:

@@ -18,7 +18,7 @@ def flat_plate(
     thickness: float = 20 * mm,
     hole: float = 26 * mm,
     bolts: tuple[tuple[float, float], ...] = BOLTS,
-    size: float = 40 * mm,
+    size: float = 45 * mm,
 ) -> LinerMesh:
     """Tetrahedra of a plate 0 <= x <= length, 0 <= y <= width, 0 <= z <= thickness [m], with holes of diameter `hole` at `bolts`.
 
@@ -30,7 +30,8 @@ def flat_plate(
         holes = [(3, occ.addCylinder(x, y, 0, 0, 0, thickness, hole / 2)) for x, y in bolts]
         if holes:
             occ.cut([(3, plate)], holes)
-        gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 16)  # chords a circle
+        gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", 12)  # chords a hole
+        gmsh.option.setNumber("Mesh.MeshSizeMin", 0.0)
         faces: dict[str, Where] = {"wear": flat(2, thickness), "support": flat(2, 0.0)}
         faces["rim"] = either(flat(0, 0.0), flat(0, length), flat(1, 0.0), flat(1, width))
         for number, bolt in enumerate(bolts, start=1):

@@ -65,6 +65,8 @@ def mesh_of(
                 tags.append(tag)
         gmsh.model.addPhysicalGroup(dimension, tags, name=name)
     gmsh.model.mesh.generate(2 if shell else 3)
+    if not shell:
+        gmsh.model.mesh.optimize("Netgen")  # lifts the worst tetrahedron where plates are one element thick
     with TemporaryDirectory() as folder:
         path = Path(folder) / "model.msh"
         gmsh.write(str(path))

@@ -1,7 +1,9 @@
 """Liners from mesh files and back: gmsh, VTU, VTK, STL, Abaqus, Exodus and all else that meshio reads with its tags."""
 
 from collections.abc import Iterator, Mapping
+from contextlib import redirect_stdout
 from dataclasses import replace
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
@@ -163,7 +165,8 @@ def _read(path: Path) -> Any:
     import meshio  # slow to import
 
     try:
-        return meshio.read(path)
+        with redirect_stdout(StringIO()):  # meshio prints what the formats that it tried in vain had to say
+            return meshio.read(path)
     except ImportError as error:
         raise UserError(
             f"{path} cannot be read without the package {error.name}: pip install {error.name}."
