@@ -93,9 +93,9 @@ def resume_run(run: Path, json_file: Path | None = None, quiet: bool = False) ->
     if json_file:
         require_writable(json_file)
     begun = read_manifest(run)
-    case = load_any_case(
-        Path(begun["folder"]), {name: _as_set(value) for name, value in begun["settings"].items()}
-    )
+    # null stands for what JSON cannot say, an infinite default: no setting is infinite
+    settings = {name: _as_set(value) for name, value in begun["settings"].items() if value is not None}
+    case = load_any_case(Path(begun["folder"]), settings)
     if not isinstance(case, LifeCase):
         raise UserError(
             f"{run} is a run of {case.name}, a case in stages, which is run anew: use wearfem run"

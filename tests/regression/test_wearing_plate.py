@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from wearfem.case import LifeCase, load_any_case, load_case
+from wearfem.check import check_case
 from wearfem.errors import UserError
 from wearfem.run import run_case
 
@@ -34,6 +35,13 @@ def test_a_life_is_no_case_in_stages():
     assert isinstance(load_any_case(CASE), LifeCase)
     with pytest.raises(UserError, match="is the life of a liner in cycles"):
         load_case(CASE)
+
+
+def test_it_is_checked_before_it_runs():
+    names = {finding.name for finding in check_case(CASE, {"loads": "particles"})}
+    assert "memory" in names
+    with pytest.raises(UserError, match="there is nothing to check"):
+        check_case(CASE, {})
 
 
 @pytest.mark.slow
