@@ -1,11 +1,13 @@
 """What a case is, and how one is read from `cases/<name>/case.py`.
 
-A case is Python: one function `case(*, keyword=default, ...) -> Case` whose keyword arguments are in SI. It
-says what flows, on what, for how long, by which law the liner wears, and which figures come out.
+A case is Python: one function `case(*, keyword=default, ...)` whose keyword arguments are in SI. It says what flows, on what, by which
+law the liner wears, and which figures come out. A `Case` is simulated in stages, over a geometry that stays; a `LifeCase` in cycles, in
+which the liner wears away under the flow until it is worn out.
 """
 
 import importlib.util
 import inspect
+import math
 import sys
 import traceback
 from collections.abc import Callable, Mapping
@@ -19,8 +21,14 @@ from wearfem.errors import UserError, in_words
 from wearfem.settings import Value, check_settings, did_you_mean
 
 if TYPE_CHECKING:
+    from wearfem.cycle import Sampler
     from wearfem.dem.flow import Flow, Model
+    from wearfem.history import History
+    from wearfem.liner.liner import Liner
+    from wearfem.liner.solve import Structure
     from wearfem.loads import FacetLoads
+    from wearfem.wear.effect import Effect
+    from wearfem.wear.jump import Goal
     from wearfem.wear.laws import WearLaw
 
 Result = TypeVar("Result")
@@ -186,18 +194,137 @@ class Case:
             )
 
 
+@dataclass(frozen=True)
+class Stop:
+    """When a life is not followed any further. It always ends when the goal is met: the first facet is worn out.
+
+    Parameters
+    ----------
+    service_time
+        Stop at this service time [s] of the liner, where it comes first.
+    breakthrough
+        Stop where the liner wears through; else the hole is opened and the life goes on around it.
+    """
+
+    service_time: float = math.inf
+    breakthrough: bool = True
+
+
+@dataclass(frozen=True)
+class LifeCase:
+    """Everything that the life of a liner needs: it is sampled, worn and sampled again, cycle by cycle.
+
+    Parameters
+    ----------
+    name
+        A word; the run folder is named after it.
+    flow
+        What moves over the liner, at the start: a `Flow` of particles, or what another sampler takes.
+    sampler
+        Samples the flow over the worn face as it is: `wearfem.cycle.Particles(model)`, `model` being a function from the worn face to a
+        `Model`; or a formula.
+    liner
+        As it is at the start.
+    wear_law, effects
+        The rate of depth from facet loads, and what makes it differ from the law's.
+    goal
+        When the liner is worn out, and how well that time is to be known; see `wearfem.cycle.worn_to`.
+    window
+        The first sample of steady flow; later ones are as long as they must be, in blocks of the same length.
+    warm_up
+        What to throw away of the first sample at least [s]; later samples throw away no less. More is found by itself.
+    throughput_rate
+        Mass that passes in one second of service [kg/s].
+    smoothing_length
+        Of the Helmholtz filter over the rate of depth [m]; 0 for none.
+    particle_radius
+        Of the smallest particle [m], which a jump stays well below.
+    longest_jump
+        In service time [s].
+    structure
+        What holds the liner; None where its strength does not matter.
+    element_size
+        Edge length [m] of new elements where worn-out ones are replaced; the mean of the worn facets without it.
+    stop
+        When to stop before the liner is worn out.
+    frozen
+        Keep the geometry as it is new, to see what its change does: depth goes on, the surface does not move.
+    measure
+        Turns the history of the run into the figures that the case reports.
+    notes, draw, files, settings, folder
+        As in `Case`; `draw(history, folder)`.
+    """
+
+    name: str
+    flow: Any
+    sampler: "Sampler"
+    liner: "Liner"
+    wear_law: "WearLaw"
+    goal: "Goal"
+    window: Window
+    warm_up: float = 0.0
+    throughput_rate: float = 0.0
+    effects: "tuple[Effect, ...]" = ()
+    smoothing_length: float = 0.0
+    particle_radius: float = math.inf
+    longest_jump: float = math.inf
+    structure: "Structure | None" = None
+    element_size: float | None = None
+    stop: Stop = field(default_factory=Stop)
+    frozen: bool = False
+    measure: "Callable[[History], tuple[Figure, ...]]" = lambda history: ()
+    notes: tuple[str, ...] = ()
+    draw: "Callable[[History, Path], None] | None" = None
+    files: tuple[Path, ...] = ()
+    settings: Mapping[str, Any] = field(default_factory=dict)
+    folder: Path | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse numbers with which no cycle can be run."""
+        facets = len(self.liner.mesh.wear)
+        if self.goal.allowed_depth.shape != (facets,):
+            raise UserError(
+                f"case {self.name} allows depths of shape {self.goal.allowed_depth.shape}, but its liner wears on {facets} facets: "
+                "give one for each, in their order"
+            )
+        for name, unit in (("warm_up", "s"), ("throughput_rate", "kg/s"), ("smoothing_length", "m")):
+            if not 0.0 <= getattr(self, name) < math.inf:
+                raise UserError(
+                    f"case {self.name} has {name} = {getattr(self, name)!r} {unit}: it must be 0 or more"
+                )
+        for name, unit in (("particle_radius", "m"), ("longest_jump", "s")):
+            if not getattr(self, name) > 0.0:
+                raise UserError(
+                    f"case {self.name} has {name} = {getattr(self, name)!r} {unit}: it must be above 0"
+                )
+        if not self.stop.service_time > self.liner.service_time:
+            raise UserError(
+                f"case {self.name} stops at {self.stop.service_time:g} s of service, but its liner has served {self.liner.service_time:g} s"
+            )
+
+
 def load_case(folder: Path, settings: Mapping[str, Value] | None = None) -> Case:
     """The case of a folder, built with the given keywords [SI].
 
-    Every mistake in the folder, in the case file or in the keywords is a `UserError`.
+    Every mistake in the folder, in the case file or in the keywords is a `UserError`; so is a case that runs in cycles.
     """
+    case = load_any_case(folder, settings)
+    if isinstance(case, LifeCase):
+        raise UserError(
+            f"{case.name} is the life of a liner in cycles, and this is only for cases in stages: use wearfem run"
+        )
+    return case
+
+
+def load_any_case(folder: Path, settings: Mapping[str, Value] | None = None) -> Case | LifeCase:
+    """The case of a folder, in stages or in cycles, built with the given keywords [SI]."""
     file = find_case(folder)
     build, signature = _case_function(file)
     keywords = check_settings(settings or {}, signature, file.parent.name)
     case = _in_users_file(file, lambda: build(**keywords))
-    if not isinstance(case, Case):
+    if not isinstance(case, Case | LifeCase):
         raise UserError(
-            f"case() in {file} returned {type(case).__name__}, but it must return a wearfem.case.Case"
+            f"case() in {file} returned {type(case).__name__}, but it must return a wearfem.case.Case or LifeCase"
         )
     return replace(case, settings=keywords, folder=file.parent)
 

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from wearfem.case import Case, load_case
+from wearfem.case import Case, LifeCase, Stage, Window, load_any_case
+from wearfem.errors import UserError
 from wearfem.progress import clock
 from wearfem.record import require_writable, write_json
 from wearfem.settings import Value
@@ -149,7 +150,9 @@ def check_case(
     """
     if json_file:
         require_writable(json_file)
-    case = load_case(case_folder, settings)
+    case = load_any_case(case_folder, settings)
+    if isinstance(case, LifeCase):
+        case = first_sample(case)
     found = tuple(finding for facts in case_facts(case) for finding in findings(facts))
     told = set()
     for finding in found:  # what holds for several stages is told once
@@ -160,6 +163,20 @@ def check_case(
     if json_file:
         write_json(json_file, [asdict(finding) for finding in found])
     return found
+
+
+def first_sample(case: LifeCase) -> Case:
+    """The first sample of a life as a case in stages: warm-up and window, over the liner as it is at the start."""
+    from wearfem.cycle import Particles
+    from wearfem.liner.liner import wear_surface
+
+    if not isinstance(case.sampler, Particles):
+        raise UserError(
+            f"{case.name} takes its loads from a formula and moves no particles: there is nothing to check, run it"
+        )
+    model = case.sampler.model(wear_surface(case.liner))
+    stage = Stage("first sample", model, Window(case.warm_up + case.window.duration))
+    return Case(case.name, case.flow, (stage,), case.wear_law, lambda outcome: (), case.notes)
 
 
 def case_facts(case: Case) -> tuple[Facts, ...]:

@@ -47,6 +47,17 @@ def run(case: Path, settings: tuple[str, ...], out: Path | None, json_file: Path
 
 
 @wearfem.command()
+@click.argument("run", type=Path)
+@json_option
+@click.option("--quiet", is_flag=True, help="Show no progress.")
+def resume(run: Path, json_file: Path | None, quiet: bool) -> None:
+    """Go on with a run in cycles that was stopped or killed, from its last cycle, to the same bits."""
+    from wearfem.run import resume_run
+
+    resume_run(run, json_file, quiet)
+
+
+@wearfem.command()
 @case_argument
 @settings_option
 @json_option

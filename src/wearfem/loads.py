@@ -1,6 +1,7 @@
 """What the particles did to each facet, in blocks of time: the second noun that particles, liner and wear share."""
 
-from dataclasses import MISSING, dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import MISSING, dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
@@ -59,3 +60,44 @@ class FacetLoads:
     def facet_count(self) -> int:
         """Number of facets."""
         return len(self.area)
+
+
+def in_sequence(samples: Sequence[FacetLoads]) -> FacetLoads:
+    """Samples of the same facets one after the other: all their blocks in order."""
+    return _map(lambda arrays: np.concatenate(arrays), samples)
+
+
+def in_one_block(loads: FacetLoads) -> FacetLoads:
+    """The same loads summed over all blocks: one block as long as all of them."""
+    return _map(lambda arrays: arrays[0].sum(axis=0, keepdims=True), (loads,))
+
+
+def without_classes(loads: FacetLoads) -> FacetLoads:
+    """The sums by block and facet alone: the histograms, which fill most of the memory, are left out (zero classes)."""
+    empty = {name: getattr(loads, name)[..., :0] for name in ("force_time", "force_slip", "impact_energy")}
+    return replace(loads, **empty, impact_moment=None)
+
+
+def on_facets(loads: FacetLoads, first: int, count: int) -> FacetLoads:
+    """The loads on `count` facets from the number `first` on."""
+    chosen = slice(first, first + count)
+    by_block = {name: getattr(loads, name)[:, chosen] for name in _BY_BLOCK if name != "duration"}
+    moment = loads.impact_moment
+    return replace(
+        loads,
+        area=loads.area[chosen],
+        impact_moment=None if moment is None else moment[:, chosen],
+        **by_block,
+    )
+
+
+_BY_BLOCK = tuple(f.name for f in fields(FacetLoads) if f.metadata["shape"].startswith("(b,")
+                  and f.name != "impact_moment")  # fmt: skip
+
+
+def _map(join: Callable[[list[np.ndarray]], np.ndarray], samples: Sequence[FacetLoads]) -> FacetLoads:
+    """Loads whose arrays by block are those of the samples joined; area and class borders are those of the last."""
+    joined = {name: join([getattr(loads, name) for loads in samples]) for name in _BY_BLOCK}
+    moments = [loads.impact_moment for loads in samples if loads.impact_moment is not None]
+    moment = join(moments) if len(moments) == len(samples) else None
+    return replace(samples[-1], **joined, impact_moment=moment)

@@ -11,7 +11,7 @@ import re
 import subprocess
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass, fields, is_dataclass
 from datetime import UTC, datetime
 from hashlib import sha256
@@ -23,8 +23,8 @@ import h5py
 import numpy as np
 
 from wearfem import __version__
-from wearfem.case import Case, Figure
-from wearfem.errors import UserError
+from wearfem.case import Case, Figure, LifeCase
+from wearfem.errors import UserError, in_words
 
 RECORDED_PACKAGES = ("numpy", "numba", "llvmlite", "scipy", "scikit-fem", "meshio", "gmsh", "pyvista", "h5py")
 
@@ -63,7 +63,9 @@ class RunFolder:
             number += 1
         return cls.create(path)
 
-    def write_manifest(self, case: Case, started: datetime, finished: datetime | None = None) -> None:
+    def write_manifest(
+        self, case: Case | LifeCase, started: datetime, finished: datetime | None = None
+    ) -> None:
         """Write `manifest.json`, at the start and again at the end; `finished` stays null in a killed run."""
         write_json(self.path / "manifest.json", manifest(case, started, finished))
 
@@ -82,17 +84,55 @@ def figure_list(figures: Sequence[Figure]) -> list[dict[str, Any]]:
     return [asdict(figure) | {"verdict": figure.verdict} for figure in figures]
 
 
-def manifest(case: Case, started: datetime, finished: datetime | None = None) -> dict[str, Any]:
+def manifest(case: Case | LifeCase, started: datetime, finished: datetime | None = None) -> dict[str, Any]:
     """Everything needed to run this again and get the same numbers."""
     files = ([case.folder / "case.py"] if case.folder else []) + list(case.files)
     return {
         "case": case.name,
+        "folder": case.folder,
         "settings": case.settings,
         "seed": case.settings.get("seed"),
         "started": started.isoformat(timespec="seconds"),
         "finished": finished and finished.isoformat(timespec="seconds"),
         "sha256": {str(file): file_hash(file) for file in files},
     } | this_machine()
+
+
+def read_manifest(run: Path) -> dict[str, Any]:
+    """What a run folder says of itself."""
+    try:
+        content = json.loads((run / "manifest.json").read_text(encoding="utf-8"))
+        if not isinstance(content["folder"], str) or not isinstance(content["settings"], dict):
+            raise ValueError("it names no case")
+        return content
+    except FileNotFoundError:
+        raise UserError(
+            f"{run} is no run folder, it has no manifest.json: give the folder that wearfem run wrote to"
+        ) from None
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise UserError(
+            f"{run / 'manifest.json'} cannot be read ({error}): it was not written by wearfem run"
+        ) from error
+
+
+def check_same(run: Path, begun: Mapping[str, Any], here: Mapping[str, Any]) -> None:
+    """Refuse to go on with a run by another case, other files or another version: the rest would not belong to its beginning."""
+    if begun["versions"]["wearfem"] != here["versions"]["wearfem"]:
+        raise UserError(
+            f"{run} was begun by wearfem {begun['versions']['wearfem']}, and this is {here['versions']['wearfem']}: go on with that "
+            "version, or run the case again"
+        )
+    for file, digest in begun["sha256"].items():
+        if here["sha256"].get(file) != digest:
+            raise UserError(
+                f"{file} is not what it was when {run} was begun: put the old one back, or run the case again in a new folder"
+            )
+    changed = [name for name, value in here["versions"].items() if begun["versions"].get(name) != value]
+    if changed or begun["git_commit"] != here["git_commit"]:
+        what = in_words(changed) if changed else "the commit of wearfem"
+        print(
+            f"note: {what} is not what it was when {run} was begun; the last bits may differ from an unbroken run"
+        )
 
 
 def this_machine() -> dict[str, Any]:
@@ -165,6 +205,18 @@ def whole_file(path: Path) -> Iterator[Path]:
         raise UserError(f"cannot write {path} ({reason}): make room there or choose another place") from error
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def sweep(run: Path) -> None:
+    """Take away what killed processes left half written in a run folder; their final names never saw it."""
+    for part in run.rglob(".*.part"):
+        try:
+            os.kill(int(part.name.split(".")[-2]), 0)
+        except ProcessLookupError:
+            with suppress(OSError):  # it takes room and does no harm
+                part.unlink()
+        except (OSError, ValueError, OverflowError):
+            continue  # of a process that lives, or none of ours
 
 
 def require_writable(file: Path) -> None:

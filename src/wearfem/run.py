@@ -1,18 +1,25 @@
-"""One run of a case: stage by stage, then its figures, all written to a run folder."""
+"""One run of a case: stage by stage or cycle by cycle, then its figures, all written to a run folder."""
 
 from collections.abc import Mapping, Sequence
+from datetime import datetime
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from wearfem.case import Case, Figure, Outcome, StageOutcome, load_case
+from wearfem.case import Case, Figure, LifeCase, Outcome, StageOutcome, load_any_case
+from wearfem.errors import UserError
 from wearfem.progress import clock, progress
 from wearfem.record import (
     RunFolder,
+    check_same,
     figure_list,
     hdf5_file,
+    manifest,
     now,
+    read_manifest,
     require_writable,
+    sweep,
     write_json,
     write_loads,
     write_surface,
@@ -46,11 +53,14 @@ def run_case(
     started = now()
     if json_file:
         require_writable(json_file)
-    case = load_case(case_folder, settings)
-    check_first_stage(case)
+    case = load_any_case(case_folder, settings)
+    if isinstance(case, Case):
+        check_first_stage(case)
     folder = RunFolder.create(out) if out else RunFolder.create_free(case.name)
     folder.write_manifest(case, started)
     print(f"{case.name}: writing to {folder.path}", flush=True)
+    if isinstance(case, LifeCase):
+        return _live(case, folder, started, json_file, quiet)
 
     outcome = run_stages(case, quiet)
     figures = case.measure(outcome)
@@ -61,6 +71,69 @@ def run_case(
         write_worn_surface(folder.path / "surface.vtkhdf", case.wear_law, outcome.stages[-1])
     if case.draw:
         case.draw(outcome, folder.path)
+    return _finish(case, folder, figures, started, json_file)
+
+
+def resume_run(run: Path, json_file: Path | None = None, quiet: bool = False) -> tuple[Figure, ...]:
+    """Go on with the life in a run folder, from its last whole cycle, to the same bits as if it had never stopped.
+
+    Parameters
+    ----------
+    run
+        The run folder.
+    json_file, quiet
+        As in `run_case`.
+
+    Raises
+    ------
+    UserError
+        for a folder that is no run, a run that is finished or of a case in stages, and where the case, one of its files or the version
+        of wearfem is not the one that began it.
+    """
+    if json_file:
+        require_writable(json_file)
+    begun = read_manifest(run)
+    # null stands for what JSON cannot say, an infinite default: no setting is infinite
+    settings = {name: _as_set(value) for name, value in begun["settings"].items() if value is not None}
+    case = load_any_case(Path(begun["folder"]), settings)
+    if not isinstance(case, LifeCase):
+        raise UserError(
+            f"{run} is a run of {case.name}, a case in stages, which is run anew: use wearfem run"
+        )
+    if begun["finished"] is not None:
+        raise UserError(f"the run in {run} is finished ({begun['finished']}): there is nothing to resume")
+    check_same(run, begun, manifest(case, now()))
+    sweep(run)
+    print(f"{case.name}: going on in {run}", flush=True)
+    return _live(case, RunFolder(run), datetime.fromisoformat(begun["started"]), json_file, quiet)
+
+
+def _as_set(value: Any) -> Any:
+    """A setting as `--set` gives it: JSON knows no tuples."""
+    return tuple(_as_set(item) for item in value) if isinstance(value, list) else value
+
+
+def _live(
+    case: LifeCase, folder: RunFolder, started: datetime, json_file: Path | None, quiet: bool
+) -> tuple[Figure, ...]:
+    """Live the life of a case to its end, then measure it."""
+    from wearfem.life import live  # here, so that a mistake in the case is told before all is loaded
+
+    history = live(case, folder.path, quiet)
+    figures = case.measure(history)
+    if case.draw:
+        case.draw(history, folder.path)
+    return _finish(case, folder, figures, started, json_file)
+
+
+def _finish(
+    case: Case | LifeCase,
+    folder: RunFolder,
+    figures: Sequence[Figure],
+    started: datetime,
+    json_file: Path | None,
+) -> tuple[Figure, ...]:
+    """Write the figures down and print them."""
     folder.write_figures(figures)
     if json_file:
         write_json(json_file, figure_list(figures))
@@ -71,7 +144,7 @@ def run_case(
     for note in case.notes:
         print(f"note: {note}")
     print(f"wrote {folder.path} in {clock((finished - started).total_seconds())}")
-    return figures
+    return tuple(figures)
 
 
 def check_first_stage(case: Case) -> None:

@@ -17,7 +17,7 @@ LAYERS = (
     {"run"},
     {"pictures", "record_mesh"},
     {"render"},
-    {"record", "cycle", "progress"},
+    {"life", "history", "record", "cycle", "formula", "values", "progress"},
     {"case"},
     {"settings"},
     {"dem", "liner", "wear", "survey"},

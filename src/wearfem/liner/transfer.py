@@ -100,6 +100,8 @@ def _near(
     for upper in edges:
         member = np.flatnonzero((extent > lower) & (extent <= upper))
         lower = upper
+        if not len(member):
+            continue
         found = tree.query_ball_point(other[member], extent[member] + reach.max())
         pairs.append(
             (np.concatenate([np.asarray(f, int) for f in found]), np.repeat(member, [len(f) for f in found]))

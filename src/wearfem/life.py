@@ -1,0 +1,131 @@
+"""The life of a liner, cycle after cycle: each is written down when it is done, and told in one line."""
+
+import signal
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import FrameType
+
+import numpy as np
+
+from wearfem.case import LifeCase
+from wearfem.cycle import CycleReport, State, cycle, first_state
+from wearfem.history import (
+    History,
+    cycles_of,
+    read_cycle,
+    read_history,
+    service_time_of,
+    write_cycle,
+    write_series,
+)
+from wearfem.progress import clock, progress
+from wearfem.units import day, hour, minute, tonne
+
+
+def live(case: LifeCase, run: Path, quiet: bool = False) -> History:
+    """Follow the life of a case to its end, from the beginning or from the last cycle that the run folder holds.
+
+    The first Ctrl-C lets the cycle end and be written; the second stops at once. Nothing that is written is lost by either.
+    """
+    done = cycles_of(run)
+    state = read_cycle(run, done)[0] if done else first_state(case)
+    times = [service_time_of(run, number) for number in range(1, done + 1)]
+    started = time.monotonic()
+    with _interrupted() as stop:
+        while not state.ended:
+            state, report = _one(case, state, run, quiet, times)
+            print(line(report, case, time.monotonic() - started, state, done), flush=True)
+            if stop.is_set() and not state.ended:
+                print(f"stopped after cycle {state.cycle}; go on with: wearfem resume {run}", flush=True)
+                raise KeyboardInterrupt
+    print(f"ended: {state.ended}", flush=True)
+    return read_history(run)
+
+
+def _one(
+    case: LifeCase, state: State, run: Path, quiet: bool, times: list[float]
+) -> tuple[State, CycleReport]:
+    """One cycle, written down."""
+    begun = time.monotonic()
+    number = state.cycle + 1
+    planned = case.warm_up + (state.jump.window if state.jump else case.window.duration)
+    with progress(planned, f"{case.name}: cycle {number}", quiet) as bar:
+        new, report = cycle(case, state, lambda seconds, word: bar.update(min(seconds, planned), word))
+    write_cycle(run, new, report, worn=state.now, run_time=time.monotonic() - begun)
+    times.append(report.service_time)
+    write_series(run, times)
+    return new, report
+
+
+def line(report: CycleReport, case: LifeCase, elapsed: float, state: State, resumed: int = 0) -> str:
+    """A cycle in one line: where the life stands, how far the jump went and why no further, what is left with its interval.
+
+    Parameters
+    ----------
+    report, case, state
+        Of the cycle, and after it.
+    elapsed
+        [s] that this process has run.
+    resumed
+        Cycles that were done before it began.
+    """
+    jump, life = report.jump, report.life
+    left = life.time - report.service_time
+    unsure = _over(report.error, report.rate)[life.facet] if report.kept else 0.0
+    noise = np.hypot(life.noise, max(left, 0.0) * unsure)
+    interval = abs(life.bias) + case.goal.deviations * noise
+    parts = [
+        f"cycle {report.cycle:3d}",
+        f"{words(report.service_time)} served",
+        f"{report.throughput / tonne:.4g} t",
+        f"deepest {1e3 * report.depth.max():.4g} mm",
+        f"{1e6 * report.worn_volume:.4g} cm3",
+        f"jump {words(report.taken * jump.duration)} ({'end' if state.ended else jump.limited_by})",
+        f"end of life at {words(life.time)} +- {words(interval)} ({case.goal.confidence:.0%}, at this rate)",
+    ]
+    if report.strain is not None:
+        parts.append(f"von Mises {1e-6 * report.strain.largest_von_mises:.4g} MPa")
+    if not report.kept:
+        parts.insert(1, "sample rejected, jump taken back")
+    if report.event:
+        parts.append(report.event)
+    passed = report.service_time - case.liner.service_time
+    if not state.ended and passed > 0.0 and not resumed:
+        parts.append(f"about {clock(elapsed * max(left, 0.0) / passed)} to run")
+    return ", ".join(parts)
+
+
+def _over(part: np.ndarray, whole: np.ndarray) -> np.ndarray:
+    return np.divide(part, whole, out=np.zeros_like(part), where=whole > 0.0)
+
+
+def words(seconds: float) -> str:
+    """A service time as people say it: `41.2 d`, `3.5 h`, `12 min`, `4 s`."""
+    for unit, name in ((day, "d"), (hour, "h"), (minute, "min")):
+        if abs(seconds) >= 2.0 * unit:
+            return f"{seconds / unit:.4g} {name}"
+    return f"{seconds:.3g} s"
+
+
+@contextmanager
+def _interrupted() -> Iterator[threading.Event]:
+    """An event that the first Ctrl-C sets; the second raises KeyboardInterrupt as ever."""
+    asked = threading.Event()
+    if threading.current_thread() is not threading.main_thread():  # signals are the main thread's
+        yield asked
+        return
+
+    def handle(number: int, frame: FrameType | None) -> None:
+        if asked.is_set():
+            raise KeyboardInterrupt
+        asked.set()
+        print("stopping when this cycle is written; press Ctrl-C again to stop at once", flush=True)
+
+    before = signal.signal(signal.SIGINT, handle)
+    try:
+        yield asked
+    finally:
+        signal.signal(signal.SIGINT, before)
