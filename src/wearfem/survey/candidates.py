@@ -4,9 +4,8 @@ A free parameter is searched in a coordinate without bounds that is normal (0, 1
 parameter. So the same lines serve as bounds, as start and as prior, and a suspect pays for each parameter that the data must fix.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from scipy.special import ndtr
@@ -48,12 +47,12 @@ class Candidate:
         (s, d) coordinates from which a search begins.
     penalty
         Nats taken off its log odds.
-    jumps
-        Whether it has a border over which readings change at once: the search then looks at all starts and does not follow slopes.
     twin
         Name of an effect of the library that is the same curve up to the coefficient.
     quantity
-        What it depends on, in words.
+        What it depends on.
+    frozen
+        How many of the last coordinates stay where a start has put them.
     """
 
     name: str
@@ -63,7 +62,7 @@ class Candidate:
     quantity: str
     penalty: float = 0.0
     twin: str = ""
-    frozen: int = 0  # how many of the last coordinates stay where a start has put them
+    frozen: int = 0
 
     def effect(self, coordinate: np.ndarray) -> Suspect:
         """The effect at a coordinate (d,)."""
@@ -213,12 +212,11 @@ def by_load(past: History) -> list[Candidate]:
         )  # fmt: skip
     angle = past.feature.get("impact_angle")
     if angle is not None and _varies(angle):
-        at = _knots(angle)[[0, 1, 3, 4]] if len(np.unique(angle)) >= 5 else np.unique(angle)[[0, -1]]
+        at = tuple(float(a) for a in _knots(angle, KNOTS))
         found.append(
             Candidate(
-                "ImpactAngleCurve",
-                tuple(Free(f"ratio_{np.degrees(a):.0f}_deg", "-", lambda u: u) for a in at[1:]),
-                lambda v: library.ImpactAngleCurve(tuple(at), _walk(v)), np.zeros((1, len(at) - 1)), "impact_angle",
+                "ImpactAngleCurve", tuple(_ratio_at(f"{np.degrees(a):.0f}_deg") for a in at[1:]),
+                lambda v: library.ImpactAngleCurve(at, _walk(v)), np.zeros((1, len(at) - 1)), "impact_angle",
             )
         )  # fmt: skip
     mobilised = past.feature.get("mobilised_friction")
@@ -284,49 +282,51 @@ def _patch(place: np.ndarray) -> Candidate:
     )  # fmt: skip
 
 
-def curves(past: History, deepest: float) -> list[Candidate]:
-    """A free curve over each single quantity: depth, progress, each axis, and every column that varies."""
-    found = [_curve("depth", "m", np.linspace(0.0, 0.95 * deepest, KNOTS))]
+def curves(past: History, deepest: float, knots: int = KNOTS) -> list[Candidate]:
+    """A free curve over each single quantity: depth, progress, each axis, and every column that varies.
+
+    Impact angle has none: the effect of that name is such a curve.
+    """
+    found = [_curve("depth", "m", np.linspace(0.0, 0.95 * deepest, knots))]
     ends = np.unique(past.end[past.end > past.begin])
     if len(ends) >= KNOTS:
-        found.append(_curve("throughput", "progress", _knots(0.5 * (ends[1:] + ends[:-1]))))
+        found.append(_curve("throughput", "progress", _knots(0.5 * (ends[1:] + ends[:-1]), knots)))
     for name, value in past.feature.items():
         if name == "position":
             for axis in range(3):
                 if len(np.unique(value[..., axis])) >= KNOTS:
-                    found.append(_curve(name, "m", _knots(value[..., axis]), axis))
-        elif value.ndim == 2 and len(np.unique(value)) >= 3 and name not in ("operation_time",):
-            found.append(_curve(name, "SI", _knots(value)))
+                    found.append(_curve(name, "m", _knots(value[..., axis], knots), axis))
+        elif name != "impact_angle" and len(np.unique(value)) >= 3:
+            found.append(_curve(name, "SI", _knots(value, knots)))
     return found
 
 
 def _curve(feature: str, unit: str, at: np.ndarray, axis: int = -1) -> Candidate:
-    label = feature if axis < 0 else f"{'xyz'[axis]}"
+    label = feature if axis < 0 else "xyz"[axis]
     places = tuple(float(a) for a in at)
-    free = tuple(Free(f"ratio_{i + 1}", "-", lambda u: u) for i in range(1, len(places)))
     return Candidate(
-        f"FactorCurve({label})", free, lambda v: FactorCurve(feature, places, _walk(v), axis),
-        np.zeros((1, len(places) - 1)), label, penalty=CURVE_PENALTY,
+        f"FactorCurve({label})", tuple(_ratio_at(f"{a:.4g}") for a in places[1:]),
+        lambda v: FactorCurve(feature, places, _walk(v), axis), np.zeros((1, len(places) - 1)),
+        "date" if label == "throughput" else label, penalty=CURVE_PENALTY,
     )  # fmt: skip
+
+
+def _ratio_at(place: str) -> Free:
+    """A ratio of a curve; its coordinate is the step from the knot before"""
+    return Free(f"ratio_at_{place}", "-", lambda u: u)
 
 
 def _walk(steps: Sequence[float]) -> tuple[float, ...]:
     """Ratios from knot to knot, each a normal step in logarithms from the one before; the first is 1"""
-    return (1.0, *(float(r) for r in np.exp(np.clip(CURVE_STEP * np.cumsum(steps), -8.0, 8.0))))
+    width = CURVE_STEP * np.sqrt((KNOTS - 1) / len(steps))
+    return (1.0, *(float(r) for r in np.exp(np.clip(width * np.cumsum(steps), -8.0, 8.0))))
 
 
-def _knots(value: np.ndarray) -> np.ndarray:
+def _knots(value: np.ndarray, most: int) -> np.ndarray:
     """Places where a curve may bend: quantiles of what occurs"""
     distinct = np.unique(value)
-    if len(distinct) <= KNOTS:
-        return distinct
-    return np.unique(np.quantile(distinct, np.linspace(0.0, 1.0, KNOTS)))
+    return distinct if len(distinct) <= most else np.unique(np.quantile(distinct, np.linspace(0.0, 1.0, most)))
 
 
 def _varies(value: np.ndarray) -> bool:
     return float(np.ptp(value)) > 1e-9 * float(np.abs(value).max(initial=0.0))
-
-
-def parameters(candidate: Candidate, effect: Suspect) -> Mapping[str, Any]:
-    """The fields of an effect that was found, as they stand in it."""
-    return {name: value for name, value in effect.__dict__.items() if value is not None}
