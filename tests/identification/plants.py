@@ -32,7 +32,17 @@ class Plant:
         """Survey and exposure as CSV files."""
         folder.mkdir(parents=True, exist_ok=True)
         survey, exposure = folder / "survey.csv", folder / "exposure.csv"
-        head = ["point", "occasion", "tonnage_kt", "depth_mm", "sigma_mm", "x_m", "y_m", "z_m", *self.occasion_column]
+        head = [
+            "point",
+            "occasion",
+            "tonnage_kt",
+            "depth_mm",
+            "sigma_mm",
+            "x_m",
+            "y_m",
+            "z_m",
+            *self.occasion_column,
+        ]
         rows = [",".join(head)]
         for j in range(len(self.tonnage)):
             for i in range(len(self.point)):
@@ -77,26 +87,46 @@ def plant(name: str, seed: int, *, noise: float = 0.1, points: int = 40, occasio
     along = -(-points // across)
     x, y = np.meshgrid(np.linspace(0.2, 3.8, along), np.linspace(-0.75, 0.75, across), indexing="ij")
     x, y = x.ravel()[:points], y.ravel()[:points]
-    where = np.stack([x + rng.normal(0, 0.03, points), y + rng.normal(0, 0.02, points), np.zeros(points)], axis=1)
+    where = np.stack(
+        [x + rng.normal(0, 0.03, points), y + rng.normal(0, 0.02, points), np.zeros(points)], axis=1
+    )
     end = 1000.0
-    tonnage = np.round(end * (np.arange(1, occasions + 1) + rng.uniform(-0.25, 0.25, occasions)) / occasions, 1)
+    tonnage = np.round(
+        end * (np.arange(1, occasions + 1) + rng.uniform(-0.25, 0.25, occasions)) / occasions, 1
+    )
     x, y = where[:, 0], where[:, 1]
     # pressure and speed cross in the exposure, so neither is the exposure over again
-    pressure = 40e3 * np.exp(-((x - 2.2) ** 2) / 1.6) * (1 + 0.3 * np.cos(3 * y)) * rng.uniform(0.8, 1.25, points) + 8e3
+    pressure = (
+        40e3 * np.exp(-((x - 2.2) ** 2) / 1.6) * (1 + 0.3 * np.cos(3 * y)) * rng.uniform(0.8, 1.25, points)
+        + 8e3
+    )
     speed = (1.2 + 0.7 * x) * rng.uniform(0.85, 1.15, points)
     exposure = pressure * speed
     exposure = np.round(exposure / exposure.mean(), 6) * 12.0e-3  # mm/kt
     if name in SAME_EXPOSURE:
         exposure = np.full(points, 15.0e-3)
     angle = np.clip(55.0 - 12.0 * x + rng.normal(0, 4.0, points), 8.0, 80.0)  # deg
-    rolling = np.clip(0.5 + 0.35 * np.sin(1.7 * x + 1.0) * np.cos(2.0 * y) + rng.normal(0, 0.06, points), 0.03, 0.97)
+    rolling = np.clip(
+        0.5 + 0.35 * np.sin(1.7 * x + 1.0) * np.cos(2.0 * y) + rng.normal(0, 0.06, points), 0.03, 0.97
+    )
     friction = 0.46 * (1.0 - rolling)  # tangential over normal impulse
-    days = np.round(tonnage / end * 900.0 * (1 + 0.25 * np.sin(2.2 * tonnage / end * np.pi)), 0)  # plant idles at times
+    days = np.round(
+        tonnage / end * 900.0 * (1 + 0.25 * np.sin(2.2 * tonnage / end * np.pi)), 0
+    )  # plant idles at times
     days = np.maximum.accumulate(days)
     ore = 900.0 + 200.0 * rng.uniform(-1, 1, occasions)  # HV
-    warm = 18.0 + 14.0 * np.sin(2 * np.pi * (tonnage / end * 2.5 + rng.uniform())) + rng.normal(0, 1.5, occasions)  # C
+    warm = (
+        18.0
+        + 14.0 * np.sin(2 * np.pi * (tonnage / end * 2.5 + rng.uniform()))
+        + rng.normal(0, 1.5, occasions)
+    )  # C
     scale = float(rng.uniform(0.9, 1.1))
-    per_point = {"pressure_pa": pressure, "slip_speed_m_s": speed, "impact_angle_deg": angle, "mobilised_friction": friction}
+    per_point = {
+        "pressure_pa": pressure,
+        "slip_speed_m_s": speed,
+        "impact_angle_deg": angle,
+        "mobilised_friction": friction,
+    }
     per_occasion = {"days": days, "ore_hardness_hv": ore, "temperature_c": warm}
     truth: tuple[str, ...] = ()
     parameter: dict[str, float] = {}
@@ -111,10 +141,16 @@ def plant(name: str, seed: int, *, noise: float = 0.1, points: int = 40, occasio
         truth, parameter = ("HardnessGradient",), {"loss_per_mm": float(rng.uniform(0.018, 0.03))}
         factor = lambda d, t, j: 1.0 / np.maximum(1.0 - parameter["loss_per_mm"] * d, 0.3)  # noqa: E731
     elif name == "overlay":
-        truth, parameter = ("Overlay",), {"thickness_mm": float(rng.uniform(3.0, 6.0)), "ratio": float(rng.uniform(1.6, 2.4))}
+        truth, parameter = (
+            ("Overlay",),
+            {"thickness_mm": float(rng.uniform(3.0, 6.0)), "ratio": float(rng.uniform(1.6, 2.4))},
+        )
         factor = lambda d, t, j: np.where(d < parameter["thickness_mm"], 1.0, parameter["ratio"])  # noqa: E731
     elif name == "running_in":
-        truth, parameter = ("RunningIn",), {"excess": float(rng.uniform(0.7, 1.3)), "depth_mm": float(rng.uniform(1.0, 2.5))}
+        truth, parameter = (
+            ("RunningIn",),
+            {"excess": float(rng.uniform(0.7, 1.3)), "depth_mm": float(rng.uniform(1.0, 2.5))},
+        )
         factor = lambda d, t, j: 1.0 + parameter["excess"] * np.exp(-d / parameter["depth_mm"])  # noqa: E731
     elif name == "ore_change":
         truth = ("OreChange",)
@@ -155,7 +191,10 @@ def plant(name: str, seed: int, *, noise: float = 0.1, points: int = 40, occasio
         factor = lambda d, t, j: np.where(covered, parameter["ratio"], 1.0)  # noqa: E731
     elif name == "zero_error":
         campaign = int(rng.integers(1, occasions))
-        parameter = {"occasion": campaign + 1.0, "zero_mm": float(rng.choice([-1, 1]) * rng.uniform(0.4, 0.6))}
+        parameter = {
+            "occasion": campaign + 1.0,
+            "zero_mm": float(rng.choice([-1, 1]) * rng.uniform(0.4, 0.6)),
+        }
         zero[campaign] = parameter["zero_mm"]
     elif name == "two_effects":
         truth = ("HardnessGradient", "OreHardness")
@@ -169,7 +208,9 @@ def plant(name: str, seed: int, *, noise: float = 0.1, points: int = 40, occasio
         factor = lambda d, t, j: 1.0 + 1.2 * np.exp(-(((d - parameter["middle_mm"]) / 1.5) ** 2))  # noqa: E731
     depth = march(scale * exposure, tonnage, factor, added)
     reading = np.round(depth + zero + rng.normal(0.0, noise, depth.shape), 3)
-    return Plant(name, truth, where, tonnage, exposure, depth, reading, noise, per_point, per_occasion, parameter)
+    return Plant(
+        name, truth, where, tonnage, exposure, depth, reading, noise, per_point, per_occasion, parameter
+    )
 
 
 SAME_EXPOSURE = ("same_exposure",)
@@ -178,4 +219,6 @@ NAMES = (
     "lateral_bias", "pressure_exponent", "speed_exponent", "impact_angle", "three_body", "build_up", "zero_error",
     "two_effects", "outside_library", "same_exposure",
 )  # fmt: skip
-SEPARABLE = tuple(name for name in NAMES if name not in ("none", "zero_error", "same_exposure", "outside_library"))
+SEPARABLE = tuple(
+    name for name in NAMES if name not in ("none", "zero_error", "same_exposure", "outside_library")
+)

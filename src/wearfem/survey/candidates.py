@@ -91,7 +91,14 @@ def product(*axes: Sequence[float]) -> np.ndarray:
 
 def candidates(past: History, deepest: float) -> list[Candidate]:
     """All suspects that the columns of a survey allow; `deepest` [unit of depth] is the largest wear read."""
-    return [*by_depth(deepest), *by_progress(past), *by_time(past, deepest), *by_log(past), *by_load(past), *by_place(past)]
+    return [
+        *by_depth(deepest),
+        *by_progress(past),
+        *by_time(past, deepest),
+        *by_log(past),
+        *by_load(past),
+        *by_place(past),
+    ]
 
 
 def by_depth(deepest: float) -> list[Candidate]:
@@ -260,12 +267,13 @@ def by_place(past: History) -> list[Candidate]:
 
 
 def _patch(place: np.ndarray) -> Candidate:
-    """A round patch about each point, that holds 2 to a third of the points"""
+    """A round patch about each point, and about the middle between near ones, that holds 2 to a third of the points"""
     patches: dict[bytes, tuple[np.ndarray, float]] = {}
-    for centre in place:
+    near = np.argsort(np.linalg.norm(place[:, None] - place, axis=2), axis=1)[:, 1:6]
+    for centre in np.concatenate([place, 0.5 * (place[:, None] + place[near]).reshape(-1, 3)]):
         far = np.sort(np.linalg.norm(place - centre, axis=1))
         for count in range(2, max(3, len(place) // 3) + 1):
-            radius = 0.5 * float(far[count - 1] + far[min(count, len(far) - 1)])
+            radius = 0.5 * float(far[count - 1] + far[min(count, len(far) - 1)])  # midway to the next point
             inside = np.linalg.norm(place - centre, axis=1) <= radius
             patches.setdefault(inside.tobytes(), (centre, radius))
     all_patches = list(patches.values())
@@ -325,7 +333,9 @@ def _walk(steps: Sequence[float]) -> tuple[float, ...]:
 def _knots(value: np.ndarray, most: int) -> np.ndarray:
     """Places where a curve may bend: quantiles of what occurs"""
     distinct = np.unique(value)
-    return distinct if len(distinct) <= most else np.unique(np.quantile(distinct, np.linspace(0.0, 1.0, most)))
+    return (
+        distinct if len(distinct) <= most else np.unique(np.quantile(distinct, np.linspace(0.0, 1.0, most)))
+    )
 
 
 def _varies(value: np.ndarray) -> bool:

@@ -5,15 +5,14 @@ is taken when the readings make it 19 times more probable than doing without (po
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from wearfem.survey.candidates import Candidate, candidates, curves
 from wearfem.survey.history import depths
 from wearfem.survey.identify import Fit, Readings, fit, model_at
-from wearfem.survey.nuisance import covariance
-from wearfem.wear.effects import Corrosion
+from wearfem.survey.nuisance import Spread, covariance
 
 SURE = float(np.log(19.0))  # nats: odds of 0.95
 ALIKE = 3.0  # nats: odds of 20 to 1, below which two models are not told apart
@@ -108,7 +107,9 @@ def choose(data: Readings) -> Choice:
                 break
     fewer = [f for f in tried.values() if len(f.suspects) < len(best.suspects)]
     best = max([best, *(f for f in fewer if f.log_evidence - odds > best.log_evidence)], key=_evidence)
-    return Choice(plain, best, tuple(tried.values()), odds, tuple(players(best, i) for i in range(len(best.suspects))))
+    return Choice(
+        plain, best, tuple(tried.values()), odds, tuple(players(best, i) for i in range(len(best.suspects)))
+    )
 
 
 def _evidence(fitted: Fit) -> float:
@@ -145,7 +146,7 @@ def players(best: Fit, place: int) -> tuple[str, ...]:
     root = covariance(best.disturbance, _steady(best)).root()
     others = [s for i, s in enumerate(best.suspects) if i != place]
     if suspect.quantity == "depth":
-        left = _by_interval(best, others, exact, root)
+        left = _by_interval(best, exact, root)
         return ("date",) if left < MIMIC_SQUARE else ()
     if suspect.quantity in _dated(best):
         left = _by_depth(best, others, exact, root)
@@ -153,10 +154,8 @@ def players(best: Fit, place: int) -> tuple[str, ...]:
     return ()
 
 
-def _steady(best: Fit) -> "Fit.spread.__class__":  # type: ignore[name-defined]
+def _steady(best: Fit) -> Spread:
     """The gauge and the zero error only: what nuisances could swallow is not what physics explains"""
-    from dataclasses import replace
-
     return replace(best.spread, scatter=1e-4, book=1e-4)
 
 
@@ -167,12 +166,15 @@ def _dated(best: Fit) -> set[str]:
     for name, value in past.feature.items():
         if name == "position" or value.ndim != 2:
             continue
-        if all(np.ptp(value[past.occasion == j]) == 0.0 for j in np.unique(past.occasion)) and np.ptp(value) > 0.0:
+        if (
+            all(np.ptp(value[past.occasion == j]) == 0.0 for j in np.unique(past.occasion))
+            and np.ptp(value) > 0.0
+        ):
             same.add(name)
     return same
 
 
-def _by_interval(best: Fit, others: Sequence[Candidate], exact: np.ndarray, root: np.ndarray) -> float:
+def _by_interval(best: Fit, exact: np.ndarray, root: np.ndarray) -> float:
     """Squared distance to the best model with a free factor for each interval in place of the effect"""
     r = best.readings
     model = model_at(r, best.suspects, best.coordinate)
@@ -193,13 +195,6 @@ def _by_depth(best: Fit, others: Sequence[Candidate], exact: np.ndarray, root: n
     """Squared distance to the best model with a free factor over depth in place of the effect"""
     r = best.readings
     curve = next(c for c in curves(r.past, r.deepest, MIMIC_KNOTS) if c.name == "FactorCurve(depth)")
-    from dataclasses import replace
-
     noiseless = replace(r, worn=exact)
     again = fit(noiseless, [*others, curve])
     return float(np.sum((root @ (exact - r.past.of_rows(again.depth))) ** 2))
-
-
-def is_corrosion(effect: object) -> bool:
-    """Whether it adds rather than multiplies"""
-    return isinstance(effect, Corrosion)

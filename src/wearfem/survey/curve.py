@@ -23,7 +23,9 @@ class FactorCurve(FactorEffect):
 
     def __post_init__(self) -> None:
         if not self.feature:
-            raise UserError("a FactorCurve was given no feature; name the quantity that the factor depends on.")
+            raise UserError(
+                "a FactorCurve was given no feature; name the quantity that the factor depends on."
+            )
         require_steps("FactorCurve", self.at, self.ratio, least=0.0)
 
     @property

@@ -97,10 +97,10 @@ def history(survey: Survey) -> History:
     )  # fmt: skip
     fill = _Filling(survey, interval, (lives, width))
     occasion = _occasion_of(survey, fill, end, common)
+    feature = {name: fill(value, occasion) for name, value in survey.feature.items() if name != "days"}
     feature = {
-        name: fill(value, occasion) for name, value in survey.feature.items() if name != "days"
+        name: np.squeeze(value, -1) if value.shape[-1] == 1 else value for name, value in feature.items()
     }
-    feature = {name: np.squeeze(value, -1) if value.shape[-1] == 1 else value for name, value in feature.items()}
     exposure = np.squeeze(fill(survey.exposure, occasion), -1)
     return History(
         begin, end, survey.life_start, exposure, feature, _calendar(survey, begin, end), occasion,
@@ -120,7 +120,9 @@ class _Filling:
         """(l, m, c) of (n,) or (n, c), without holes"""
         value = value.reshape(self.survey.size, -1)
         cells = np.full((*self.shape, value.shape[1]), np.nan)
-        cells[self.survey.life, np.maximum(self.interval, 0)] = value  # a new plate's value, unless it is read later
+        cells[self.survey.life, np.maximum(self.interval, 0)] = (
+            value  # a new plate's value, unless it is read later
+        )
         later = self.interval >= 0
         cells[self.survey.life[later], self.interval[later]] = value[later]
         middle = np.nanmedian(value, axis=0)
@@ -213,7 +215,9 @@ def _against_depth(total: np.ndarray, effects: Sequence[FactorEffect]) -> np.nda
     """The depth at which the integral of 1/g has come to `total`"""
     most = 2.0 * float(total.max(initial=0.0)) + 1e-300
     edge = most * np.linspace(0.0, 1.0, CELLS + 1) ** 1.5  # finer near the new surface
-    edge = np.unique(np.append(edge, [e.thickness for e in effects if isinstance(e, Overlay) and e.thickness < most]))
+    edge = np.unique(
+        np.append(edge, [e.thickness for e in effects if isinstance(e, Overlay) and e.thickness < most])
+    )
     factor = np.maximum(all_factors(effects, {"depth": 0.5 * (edge[1:] + edge[:-1])}), FAINT)
     integral = np.append(0.0, np.cumsum(np.diff(edge) / factor))
     beyond = np.maximum(total - integral[-1], 0.0) * factor[-1]

@@ -171,7 +171,9 @@ class Fit:
         value, _ = nuisances(known, self.spread, residual)
         there = disturbance(asked.survey, asked.past, self.depth, asked.reference, asked.thickness_free)
         told = {(int(g), int(k)): v for g, k, v in zip(known.group, known.label, value, strict=True)}
-        new = np.array([told.get((int(g), int(k)), 0.0) for g, k in zip(there.group, there.label, strict=True)])
+        new = np.array(
+            [told.get((int(g), int(k)), 0.0) for g, k in zip(there.group, there.label, strict=True)]
+        )
         return asked.past.of_rows(self.depth) + there.column @ new
 
 
@@ -209,7 +211,9 @@ def fit(data: Readings, suspects: Sequence[Candidate] = (), start: Fit | None = 
     root = problem.root(problem.first(start), spread)
     known = 0 if start is None else len(start.coordinate)
     begins = problem.screened(problem.starts(start), root)
-    tried = sorted((problem.search(begin, root, most=12 + 4 * known) for begin in begins), key=lambda found: found[1])
+    tried = sorted(
+        (problem.search(begin, root, most=12 + 4 * known) for begin in begins), key=lambda found: found[1]
+    )
     return max(
         (_settle(problem, begin, spread) for begin, _ in tried[:KEPT]), key=lambda found: found.log_evidence
     )
@@ -224,7 +228,9 @@ def _settle(problem: "_Problem", coordinate: np.ndarray, spread: Spread) -> Fit:
         found = disturbance(data.survey, data.past, depth, data.reference, data.thickness_free)
         spread = fit_spread(found, data.worn - data.past.of_rows(depth), spread, data.gauge, data.reference)
         coordinate, _ = problem.search(coordinate, problem.root(coordinate, spread), most=60)
-        if np.allclose([*before.__dict__.values()], [*spread.__dict__.values()], rtol=0.03, atol=1e-2 * data.reference):
+        if np.allclose(
+            [*before.__dict__.values()], [*spread.__dict__.values()], rtol=0.03, atol=1e-2 * data.reference
+        ):
             break
     depth = problem.depth(coordinate)
     found = disturbance(data.survey, data.past, depth, data.reference, data.thickness_free)

@@ -69,7 +69,9 @@ class Disturbance:
         return np.array(each)[self.group]
 
 
-def disturbance(survey: Survey, past: History, depth: np.ndarray, told: float, thickness_free: bool) -> Disturbance:
+def disturbance(
+    survey: Survey, past: History, depth: np.ndarray, told: float, thickness_free: bool
+) -> Disturbance:
     """The columns of all nuisances, where a model says that depth (l, m) is worn.
 
     Parameters
@@ -101,7 +103,9 @@ def disturbance(survey: Survey, past: History, depth: np.ndarray, told: float, t
         passed = np.arange(growth.shape[1])[None, :] <= past.row_interval[:, None]
         book = np.zeros((rows, occasions))
         for j in range(growth.shape[1]):
-            np.add.at(book, (np.arange(rows), past.occasion[survey.life, j]), passed[:, j] * growth[survey.life, j])
+            np.add.at(
+                book, (np.arange(rows), past.occasion[survey.life, j]), passed[:, j] * growth[survey.life, j]
+            )
         add(book, 3)
     add(by_life, 4 if thickness_free else 1)
     if thickness_free:

@@ -9,7 +9,13 @@ import numpy as np
 from wearfem.errors import UserError, in_words
 from wearfem.survey.columns import column, numbers, read_table
 
-PROGRESS = ("tonnage", "throughput", "time", "distance", "cycles")  # what service is counted by; the first found
+PROGRESS = (
+    "tonnage",
+    "throughput",
+    "time",
+    "distance",
+    "cycles",
+)  # what service is counted by; the first found
 MEASURED = {"thickness": -1.0, "depth": 1.0, "wear": 1.0, "mass_loss": 1.0, "volume_loss": 1.0}
 KNOWN_AS = {  # other names of features
     "speed": "slip_speed",
@@ -138,7 +144,9 @@ def read_survey(path: Path, *, progress: str = "", exposure: Path | None = None)
         feature, known = {**feature, **more}, True
     sigma = _beside(path, table, "sigma", told.factor)
     if (sigma <= 0.0).any():
-        raise UserError(f"{path} has a sigma of 0 or less; a standard error is above 0 (leave the cell empty)")
+        raise UserError(
+            f"{path} has a sigma of 0 or less; a standard error is above 0 (leave the cell empty)"
+        )
     return Survey(
         point, occasion, life, point_names, occasion_names, at, clock, column(clock).unit,
         told.si(numbers(path, measured, table[measured])), MEASURED[told.quantity],
@@ -179,9 +187,7 @@ def _measured_column(path: Path, table: Mapping[str, list[str]]) -> str:
 def _occasions(table: Mapping[str, list[str]], at: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
     """Index of the occasion of each row in the order of progress, and the names."""
     label = table.get("occasion") or [f"{value:g}" for value in at]
-    names = sorted(
-        dict.fromkeys(label), key=lambda name: float(np.median(at[[i == name for i in label]]))
-    )
+    names = sorted(dict.fromkeys(label), key=lambda name: float(np.median(at[[i == name for i in label]])))
     return np.array([names.index(name) for name in label]), tuple(names)
 
 
