@@ -290,12 +290,19 @@ def _patch(place: np.ndarray) -> Candidate:
     )  # fmt: skip
 
 
-def curves(past: History, deepest: float, knots: int = KNOTS) -> list[Candidate]:
+def curves(past: History, depth: np.ndarray, knots: int = KNOTS) -> list[Candidate]:
     """A free curve over each single quantity: depth, progress, each axis, and every column that varies.
 
-    Impact angle has none: the effect of that name is such a curve.
+    `depth` are those at which there are readings. Impact angle has none: the effect of that name is such a curve.
     """
-    found = [_curve("depth", "m", np.linspace(0.0, 0.95 * deepest, knots))]
+    found = [
+        _curve(
+            "depth",
+            "m",
+            0.5 * _knots(depth, knots)
+            + 0.5 * np.linspace(0.0, 0.95 * depth.max(), len(_knots(depth, knots))),
+        )
+    ]
     ends = np.unique(past.end[past.end > past.begin])
     if len(ends) >= KNOTS:
         found.append(_curve("throughput", "progress", _knots(0.5 * (ends[1:] + ends[:-1]), knots)))

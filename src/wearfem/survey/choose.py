@@ -1,7 +1,7 @@
 """Which effects the readings ask for: suspects tried alone and together, each new one against all that speaks for chance.
 
-Half of the belief lies on the model as it is; the other half is shared by all suspects, so trying many does not find one by chance. An effect
-is taken when the readings make it 19 times more probable than doing without (posterior probability 0.95).
+Half of the belief lies on the model as it is; the other half is shared by all suspects, so trying many does not find one by chance. An
+effect is taken when the readings make it 19 times more probable than doing without (posterior probability 0.95).
 """
 
 from collections.abc import Sequence
@@ -72,7 +72,7 @@ class Choice:
 
 def choose(data: Readings) -> Choice:
     """Effects one by one, each the most probable of all; after each, those before are tried against the others again."""
-    suspects = [*candidates(data.past, data.deepest), *curves(data.past, data.deepest)]
+    suspects = [*candidates(data.past, data.deepest), *curves(data.past, data.depth_knots)]
     odds = -float(np.log(len(suspects)))
     plain = fit(data)
     tried: dict[frozenset[str], Fit] = {frozenset(): plain}
@@ -124,7 +124,7 @@ def _refined(data: Readings, found: Fit, tried: dict[frozenset[str], Fit]) -> Fi
     base = found.suspects[:-1]
     start = tried.get(frozenset(s.name for s in base))
     for knots in FINER:
-        for finer in curves(data.past, data.deepest, knots):
+        for finer in curves(data.past, data.depth_knots, knots):
             if finer.name == last.name and len(finer.free) > len(found.suspects[-1].free):
                 again = fit(data, [*base, finer], start)
                 if again.log_evidence > found.log_evidence:
@@ -156,7 +156,7 @@ def players(best: Fit, place: int) -> tuple[str, ...]:
 
 def _steady(best: Fit) -> Spread:
     """The gauge and the zero error only: what nuisances could swallow is not what physics explains"""
-    return replace(best.spread, scatter=1e-4, book=1e-4)
+    return replace(best.spread, scatter=1e-4, book=1e-4, scale=1e-4)
 
 
 def _dated(best: Fit) -> set[str]:
@@ -194,7 +194,7 @@ def _by_interval(best: Fit, exact: np.ndarray, root: np.ndarray) -> float:
 def _by_depth(best: Fit, others: Sequence[Candidate], exact: np.ndarray, root: np.ndarray) -> float:
     """Squared distance to the best model with a free factor over depth in place of the effect"""
     r = best.readings
-    curve = next(c for c in curves(r.past, r.deepest, MIMIC_KNOTS) if c.name == "FactorCurve(depth)")
+    curve = next(c for c in curves(r.past, r.depth_knots, MIMIC_KNOTS) if c.name == "FactorCurve(depth)")
     noiseless = replace(r, worn=exact)
     again = fit(noiseless, [*others, curve])
     return float(np.sum((root @ (exact - r.past.of_rows(again.depth))) ** 2))

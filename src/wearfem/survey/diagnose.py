@@ -133,7 +133,7 @@ def diagnose(survey: Survey, *, name_without: bool = True) -> Diagnosis:
 
 
 def held_out(data: Readings) -> np.ndarray:
-    """Readings (n,) that no fit sees: every fifth point in the order of exposure, the last occasion, and one in the middle if there are six.
+    """Readings (n,) that no fit sees: every fifth point in the order of exposure, the last occasion, and one in the middle of six.
 
     Whole points and whole occasions: neighbours in time or place of a reading that is kept would give it away. Readings of new plates
     stay, since they are no wear.
@@ -298,14 +298,16 @@ def _nuisance(best: Fit, factor: float) -> dict[str, object]:
     value, deviation = nuisances(found, best.spread, r.worn - r.past.of_rows(best.depth))
     names = r.survey.occasion_names
     told: dict[str, object] = {}
-    for group, key, unit in ((0, "zero_error", r.survey.sign * factor), (3, "tonnage_book", 1.0)):
+    kinds = ((0, "zero_error", r.survey.sign * factor), (3, "tonnage_book", 1.0), (5, "scale_error", 1.0))
+    for group, key, unit in kinds:
         rows = found.group == group
         told[key] = {
-            names[int(label)]: {"value": float(v / unit), "interval": sorted([float((v - WIDTH_90 * s) / unit), float((v + WIDTH_90 * s) / unit)])}
+            names[int(label)]: {"value": float(v / unit), "interval": sorted(float((v + side * WIDTH_90 * s) / unit) for side in (-1, 1))}
             for label, v, s in zip(found.label[rows], value[rows], deviation[rows], strict=True)
         }  # fmt: skip
     told["zero_error_deviation"] = best.spread.zero / factor
     told["tonnage_book_deviation"] = best.spread.book
+    told["scale_error_deviation"] = best.spread.scale
     told["place_to_place_scatter"] = best.spread.scatter
     told["initial_reading_deviation"] = best.spread.initial / factor
     return told

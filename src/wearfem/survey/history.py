@@ -6,7 +6,7 @@ Factors that know the depth, g, and those that do not, s, part: the integral of 
 table of the left side serves all plates at once, and no step of time is taken.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -91,10 +91,9 @@ def history(survey: Survey) -> History:
         [np.concatenate([e, np.full(width - len(e), e[-1] if len(e) else s)]) for e, s in zip(ends, survey.life_start, strict=True)]
     )  # fmt: skip
     begin = np.concatenate([survey.life_start[:, None], end[:, :-1]], axis=1)
-    interval = np.array(
-        [np.searchsorted(ends[i], p, side="left") if p > survey.life_start[i] else -1 for i, p in zip(survey.life, survey.progress, strict=True)],
-        int,
-    )  # fmt: skip
+    interval = np.full(survey.size, -1)
+    for row in np.flatnonzero(~survey.is_new):
+        interval[row] = np.searchsorted(ends[survey.life[row]], survey.progress[row])
     fill = _Filling(survey, interval, (lives, width))
     occasion = _occasion_of(survey, fill, end, common)
     feature = {name: fill(value, occasion) for name, value in survey.feature.items() if name != "days"}
@@ -229,9 +228,11 @@ def _together(grown: np.ndarray, added: np.ndarray, effects: Sequence[FactorEffe
     depth = np.zeros(len(grown))
     ends = np.empty_like(grown)
     for j in range(grown.shape[1]):
-        rate: Callable[[np.ndarray], np.ndarray] = lambda d, j=j: (  # noqa: E731
-            grown[:, j] * np.maximum(all_factors(effects, {"depth": d}), FAINT) + added[:, j]
-        )
+        own, more = grown[:, j], added[:, j]
+
+        def rate(d: np.ndarray, own: np.ndarray = own, more: np.ndarray = more) -> np.ndarray:
+            return own * np.maximum(all_factors(effects, {"depth": d}), FAINT) + more
+
         h = 1.0 / STEPS
         for _ in range(STEPS):
             first = rate(depth)

@@ -67,6 +67,11 @@ class Readings:
         """Largest wear read"""
         return float(self.worn.max())
 
+    @property
+    def depth_knots(self) -> np.ndarray:
+        """Depths at which wear was read, for a curve over depth to bend where there are readings"""
+        return np.append(0.0, self.worn[self.worn > 0.0])
+
     def only(self, keep: np.ndarray) -> "Readings":
         """The readings (n,) of `keep`; history and sizes stay those of the whole."""
         past = replace(
@@ -190,7 +195,7 @@ def model_at(data: Readings, suspects: Sequence[Candidate], coordinate: np.ndarr
 
 def small_spread(data: Readings) -> Spread:
     """Nuisances as a careful campaign has them; where a search begins."""
-    return Spread(data.reference, 0.5 * data.reference, 0.5 * data.reference, 0.02, 0.01)
+    return Spread(data.reference, 0.5 * data.reference, 0.5 * data.reference, 0.02, 0.01, 0.01)
 
 
 def fit(data: Readings, suspects: Sequence[Candidate] = (), start: Fit | None = None) -> Fit:
@@ -255,7 +260,8 @@ class _Problem:
 
     def __init__(self, data: Readings, suspects: tuple[Candidate, ...]) -> None:
         self.data, self.suspects = data, suspects
-        still, at = [], 1
+        still: list[int] = []
+        at = 1
         for suspect in suspects:
             at += len(suspect.free)
             still += range(at - suspect.frozen, at)

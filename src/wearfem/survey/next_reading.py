@@ -38,7 +38,7 @@ def suggestion(best: Fit, others: Sequence[Fit], played_by: Sequence[Sequence[st
     if rival is None and any("date" in names for names in played_by):
         rival = fit(
             best.readings,
-            [c for c in curves(best.readings.past, best.readings.deepest) if c.quantity == "date"][:1],
+            [c for c in curves(best.readings.past, best.readings.depth_knots) if c.quantity == "date"][:1],
         )
     data = best.readings
     survey = data.survey

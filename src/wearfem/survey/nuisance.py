@@ -1,9 +1,10 @@
 """What disturbs readings and is no physics: zero errors, new thickness, the tonnage book, scatter from place to place; shrunk to zero.
 
-A reading is what the model says plus what a campaign reads too high, what the plate measured other than told, the plate's own scatter of
+A reading is what the model says plus what a campaign reads too high (by the same everywhere, or in proportion to wear: the velocity of
+sound, or another place along a belt), what the plate measured other than told, the plate's own scatter of
 the rate, the tonnage book's error in each interval, and the gauge's error:
 
-    y = d + z[occasion] + h[life] + u[life] d + sum over intervals of b[interval] (growth of d in it) + e.
+    y = d + z[occasion] + s[occasion] d + h[life] + u[life] d + sum over intervals of b[interval] (growth of d in it) + e.
 
 All are normal with standard deviations that the data tell (by marginal likelihood), under exponential priors that pull those to zero that
 are not needed. They are integrated out, not fitted: points read many times count as one where the scatter between points is what matters.
@@ -12,7 +13,7 @@ are not needed. They are integrated out, not fitted: points read many times coun
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, solve_triangular
@@ -22,6 +23,7 @@ from wearfem.survey.history import History
 from wearfem.survey.survey import Survey
 
 SCATTER_PRIOR = 0.1  # [-] mean of the exponential prior of the scatter of the rate between places
+SCALE_PRIOR = 0.02  # [-] of what a campaign reads too much of the wear
 BOOK_PRIOR = 0.02  # [-] and of the error of the tonnage book in an interval
 OFFSET_PRIOR = 1.0  # [gauge errors] and of zero errors and new thicknesses
 GAUGE_PRIOR = 0.15  # [-] standard deviation of the logarithm of the gauge error about what was given
@@ -39,8 +41,8 @@ class Spread:
         [SI unit of the reading] of one reading.
     zero, initial
         [same] of the zero error of a campaign, and of a plate's new thickness about what is told.
-    scatter, book
-        [-] of the rate between places, and of the tonnage book's error in an interval.
+    scatter, book, scale
+        [-] of the rate between places, of the tonnage book's error in an interval, and of a campaign's error in proportion to wear.
     """
 
     gauge: float
@@ -48,6 +50,7 @@ class Spread:
     initial: float
     scatter: float
     book: float
+    scale: float
 
 
 @dataclass(frozen=True)
@@ -55,7 +58,7 @@ class Disturbance:
     """How nuisances enter the readings: (n, q) columns, and which standard deviation each has.
 
     `weight` (n,) is the variance of a reading over gauge squared; `group` (q,) is 0 zero error, 1 new thickness, 2 scatter, 3 book, 4
-    free new thickness; `label` (q,) the occasion, life or interval.
+    free new thickness, 5 a campaign's error in proportion; `label` (q,) the occasion, life or interval.
     """
 
     column: np.ndarray
@@ -65,7 +68,7 @@ class Disturbance:
 
     def deviation(self, spread: Spread) -> np.ndarray:
         """(q,) standard deviation of each nuisance."""
-        each = [spread.zero, spread.initial, spread.scatter, spread.book, FREE * spread.gauge]
+        each = [spread.zero, spread.initial, spread.scatter, spread.book, FREE * spread.gauge, spread.scale]
         return np.array(each)[self.group]
 
 
@@ -99,6 +102,7 @@ def disturbance(
         zero = np.zeros((rows, occasions))
         zero[np.arange(rows), survey.occasion] = 1.0
         add(zero, 0)
+        add(zero * at[:, None], 5)
         add(by_life * at[:, None], 2)
         passed = np.arange(growth.shape[1])[None, :] <= past.row_interval[:, None]
         book = np.zeros((rows, occasions))
@@ -172,7 +176,7 @@ def log_prior(spread: Spread, told: float | None, reference: float) -> float:
     `told` is the gauge error that was given, `reference` the size that zero errors are compared with.
     """
     value = -(spread.zero + spread.initial) / (OFFSET_PRIOR * reference)
-    value -= spread.scatter / SCATTER_PRIOR + spread.book / BOOK_PRIOR
+    value -= spread.scatter / SCATTER_PRIOR + spread.book / BOOK_PRIOR + spread.scale / SCALE_PRIOR
     if told is not None:
         value -= 0.5 * (np.log(spread.gauge / told) / GAUGE_PRIOR) ** 2
     return float(value)
@@ -192,7 +196,7 @@ def fit_spread(
     z = found.column / root[:, None]
     r = residual / root
     inner, side, total = z.T @ z, z.T @ r, float(r @ r)
-    unit = np.array([reference, reference, reference, SCATTER_PRIOR, BOOK_PRIOR])
+    unit = np.array([reference, reference, reference, SCATTER_PRIOR, BOOK_PRIOR, SCALE_PRIOR])
     floor = np.log(LEAST_SHARE)
 
     def negative(log: np.ndarray) -> float:
@@ -207,11 +211,11 @@ def fit_spread(
         return 0.5 * (square + determinant) - log_prior(spread, told, reference)
 
     first = np.log(np.maximum(np.array(list(_values(start).values())) / unit, 1.01 * LEAST_SHARE))
-    limits = [(first[0] - 4.0, first[0] + 4.0)] + [(floor, np.log(100.0))] * 4
+    limits = [(first[0] - 4.0, first[0] + 4.0)] + [(floor, np.log(100.0))] * 5
     best = minimize(negative, first, method="L-BFGS-B", bounds=limits, options={"maxiter": 25, "ftol": 1e-7})
     value = unit * np.exp(best.x)
-    return replace(Spread(*(float(v) for v in value)))
+    return Spread(*(float(v) for v in value))
 
 
 def _values(spread: Spread) -> Mapping[str, float]:
-    return {name: getattr(spread, name) for name in ("gauge", "zero", "initial", "scatter", "book")}
+    return {name: getattr(spread, name) for name in ("gauge", "zero", "initial", "scatter", "book", "scale")}

@@ -14,7 +14,7 @@ from scipy.stats import chi2
 from wearfem.survey.candidates import curves
 from wearfem.survey.history import depths
 from wearfem.survey.identify import Fit, fit, model_at
-from wearfem.survey.nuisance import BOOK_PRIOR, Spread, covariance, disturbance
+from wearfem.survey.nuisance import BOOK_PRIOR, SCALE_PRIOR, Spread, covariance, disturbance
 
 CAREFUL_SCATTER = 0.03  # [-] between places that are exposed alike
 
@@ -45,6 +45,7 @@ def noise_spread(fitted: Fit) -> Spread:
     return Spread(
         data.gauge or min(found.gauge, data.reference), found.zero, min(found.initial, data.reference),
         min(found.scatter, CAREFUL_SCATTER), min(found.book, BOOK_PRIOR),
+        min(found.scale, SCALE_PRIOR),
     )  # fmt: skip
 
 
@@ -68,7 +69,7 @@ def noise_tests(fitted: Fit) -> tuple[NoiseTest, ...]:
         tangent.append((white(plain.coordinate + step, plain.suspects) - own) / 1e-3)
     basis = np.linalg.qr(np.stack(tangent, axis=1))[0]
     left = own - basis @ (basis.T @ own)
-    all_curves = curves(data.past, data.deepest)
+    all_curves = curves(data.past, data.depth_knots)
     tests = []
     for curve in all_curves:
         change = []
