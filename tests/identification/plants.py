@@ -80,8 +80,15 @@ def march(exposure: np.ndarray, tonnage: np.ndarray, factor: Rate, added: Rate |
     return out
 
 
-def plant(name: str, seed: int, *, noise: float = 0.1, points: int = 40, occasions: int = 8) -> Plant:
-    """A plant by name; see `NAMES`."""
+def plant(
+    name: str, seed: int, *, noise: float = 0.1, points: int = 40, occasions: int = 8, scatter: float = 0.0,
+    book: float = 0.0, campaign_zero: float = 0.0, wrong: int = 0,
+) -> Plant:  # fmt: skip
+    """A plant by name; see `NAMES`.
+
+    `noise` [mm] of the gauge; `scatter` [-] of the rate between places; `book` [-] of the tonnage book in each interval;
+    `campaign_zero` [mm] of each campaign; `wrong` readings are typing errors of 3 mm.
+    """
     rng = np.random.default_rng([seed, NAMES.index(name)])
     across = max(2, round(np.sqrt(points / 2.5)))
     along = -(-points // across)

@@ -13,11 +13,13 @@ from wearfem.survey.candidates import Candidate, candidates, curves
 from wearfem.survey.history import depths
 from wearfem.survey.identify import Fit, Readings, fit, model_at
 from wearfem.survey.nuisance import Spread, covariance
+from wearfem.survey.residual import noise_tests
 
 SURE = float(np.log(19.0))  # nats: odds of 0.95
 ALIKE = 3.0  # nats: odds of 20 to 1, below which two models are not told apart
 MOST_EFFECTS = 3
 FINER = (9, 13)  # knots of a free curve that has been chosen
+QUIET = 0.5  # p of all tests of noise together, above which no further effect is looked for
 MIMIC_KNOTS = 8
 MIMIC_SQUARE = 9.0  # squared distance in standard deviations (3 of them), below which one model plays another
 
@@ -91,6 +93,8 @@ def choose(data: Readings) -> Choice:
 
     best = plain
     while len(best.suspects) < MOST_EFFECTS:
+        if best.suspects and noise_tests(best)[0].p > QUIET:
+            break
         found = tested(best, suspects)
         if found.log_evidence - best.log_evidence + odds < SURE:
             break

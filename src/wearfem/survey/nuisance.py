@@ -17,6 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, solve_triangular
+from scipy.linalg.lapack import dpotri
 from scipy.optimize import minimize
 
 from wearfem.survey.history import History
@@ -140,9 +141,11 @@ class Covariance:
 
     def root(self) -> np.ndarray:
         """(n, n) matrix R with R' R = C^-1, symmetric but for the weights"""
-        # (1 + S S')^-1/2 = 1 + U ((1 + s^2)^-1/2 - 1) U', S = U s V'
-        u, s, _ = np.linalg.svd(self.scaled, full_matrices=False)
-        inner = np.eye(len(self.weight)) + (u * (1.0 / np.sqrt(1.0 + s**2) - 1.0)) @ u.T
+        # (1 + S S')^-1/2 = 1 - S V f V' S' with S' S = V diag(e) V', f = (1 - (1 + e)^-1/2) / e = 1 / (1 + e + (1 + e)^1/2)
+        e, v = np.linalg.eigh(self.scaled.T @ self.scaled)
+        e = 1.0 + np.maximum(e, 0.0)
+        turned = self.scaled @ (v / np.sqrt(e + np.sqrt(e)))
+        inner = np.eye(len(self.weight)) - turned @ turned.T
         return inner / (self.gauge * np.sqrt(self.weight))
 
     @property
@@ -199,22 +202,45 @@ def fit_spread(
     unit = np.array([reference, reference, reference, SCATTER_PRIOR, BOOK_PRIOR, SCALE_PRIOR])
     floor = np.log(LEAST_SHARE)
 
-    def negative(log: np.ndarray) -> float:
-        spread = Spread(*(unit * np.exp(log)))
+    def negative(log: np.ndarray) -> tuple[float, np.ndarray]:
+        """Minus the logarithm of the posterior density, and its slope by the logarithms of the standard deviations"""
+        size = unit * np.exp(log)
+        spread = Spread(*size)
+        g2 = spread.gauge**2
         t = found.deviation(spread) / spread.gauge
-        a = inner * t * t[:, None]
-        a[np.diag_indices_from(a)] += 1.0
-        factor = np.linalg.cholesky(a)
-        b = solve_triangular(factor, t * side, lower=True, check_finite=False)
-        square = (total - b @ b) / spread.gauge**2
-        determinant = 2.0 * np.log(np.diag(factor)).sum() + 2.0 * len(r) * np.log(spread.gauge)
-        return 0.5 * (square + determinant) - log_prior(spread, told, reference)
+        inverse, determinant = _inverse(inner * t * t[:, None])
+        weighed = t * (inverse @ (t * side))
+        square = (total - side @ weighed) / g2
+        value = 0.5 * (square + determinant + 2.0 * len(r) * log[0])
+        taken = (side - inner @ weighed) / g2  # z' C^-1 r
+        at = inner * t
+        own = (np.diag(inner) - np.einsum("ij,ij->i", at @ inverse, at)) / g2  # diagonal of z' C^-1 z
+        each = 0.5 * (own - taken**2)
+        trace = (len(r) - len(t) + np.trace(inverse)) / g2
+        by_gauge = 0.5 * (trace - (total - 2.0 * weighed @ side + weighed @ inner @ weighed) / g2**2)
+        slope = 2.0 * size**2 * np.array([by_gauge, *(each[found.group == k].sum() for k in (0, 1, 2, 3, 5))])
+        slope[0] += 2.0 * FREE**2 * g2 * each[found.group == 4].sum()
+        slope += size / unit / np.array([np.inf, *[OFFSET_PRIOR] * 2, 1.0, 1.0, 1.0])
+        if told is not None:
+            slope[0] += np.log(spread.gauge / told) / GAUGE_PRIOR**2
+        return value - log_prior(spread, told, reference), slope
 
     first = np.log(np.maximum(np.array(list(_values(start).values())) / unit, 1.01 * LEAST_SHARE))
     limits = [(first[0] - 4.0, first[0] + 4.0)] + [(floor, np.log(100.0))] * 5
-    best = minimize(negative, first, method="L-BFGS-B", bounds=limits, options={"maxiter": 25, "ftol": 1e-7})
+    best = minimize(
+        negative, first, jac=True, method="L-BFGS-B", bounds=limits, options={"maxiter": 25, "ftol": 1e-7}
+    )
     value = unit * np.exp(best.x)
     return Spread(*(float(v) for v in value))
+
+
+def _inverse(square: np.ndarray) -> tuple[np.ndarray, float]:
+    """The inverse of 1 + a matrix (q, q), and the logarithm of the determinant"""
+    square[np.diag_indices_from(square)] += 1.0
+    factor = np.linalg.cholesky(square)
+    inverse, _ = dpotri(factor, lower=1)
+    inverse = np.tril(inverse)
+    return inverse + np.tril(inverse, -1).T, 2.0 * float(np.log(np.diag(factor)).sum())
 
 
 def _values(spread: Spread) -> Mapping[str, float]:
