@@ -18,6 +18,7 @@ from wearfem.wear.effects import Corrosion
 
 Suspect = FactorEffect | Corrosion
 KNOTS = 5  # of a free curve
+GRID = 16  # places along each side of a plan where the middle of a patch may lie
 CURVE_STEP = 0.4  # [-] standard deviation of the logarithm of a free curve from knot to knot
 CURVE_PENALTY = 2.0  # nats: a curve that nobody can name must be 7 times more probable than an effect
 
@@ -89,14 +90,14 @@ def product(*axes: Sequence[float]) -> np.ndarray:
     return np.array(np.meshgrid(*axes, indexing="ij")).reshape(len(axes), -1).T
 
 
-def candidates(past: History, deepest: float) -> list[Candidate]:
+def candidates(past: History, deepest: float, knots: int = KNOTS) -> list[Candidate]:
     """All suspects that the columns of a survey allow; `deepest` [unit of depth] is the largest wear read."""
     return [
         *by_depth(deepest),
         *by_progress(past),
         *by_time(past, deepest),
         *by_log(past),
-        *by_load(past),
+        *by_load(past, knots),
         *by_place(past),
     ]
 
@@ -190,7 +191,7 @@ def by_log(past: History) -> list[Candidate]:
     return found
 
 
-def by_load(past: History) -> list[Candidate]:
+def by_load(past: History, knots: int) -> list[Candidate]:
     """Where the law's exponents are not those of the pair of materials."""
     found = []
     pressure, speed = past.feature.get("pressure"), past.feature.get("slip_speed")
@@ -219,7 +220,7 @@ def by_load(past: History) -> list[Candidate]:
         )  # fmt: skip
     angle = past.feature.get("impact_angle")
     if angle is not None and _varies(angle):
-        at = tuple(float(a) for a in _knots(angle, KNOTS))
+        at = tuple(float(a) for a in _knots(angle, knots))
         found.append(
             Candidate(
                 "ImpactAngleCurve", tuple(_ratio_at(f"{np.degrees(a):.0f}_deg") for a in at[1:]),
@@ -267,10 +268,14 @@ def by_place(past: History) -> list[Candidate]:
 
 
 def _patch(place: np.ndarray) -> Candidate:
-    """A round patch about each point, and about the middle between near ones, that holds 2 to a third of the points"""
+    """A round patch about each point and about places on a grid, that holds 2 to a third of the points; each set of points once"""
     patches: dict[bytes, tuple[np.ndarray, float]] = {}
-    near = np.argsort(np.linalg.norm(place[:, None] - place, axis=2), axis=1)[:, 1:6]
-    for centre in np.concatenate([place, 0.5 * (place[:, None] + place[near]).reshape(-1, 3)]):
+    low, high = place.min(axis=0), place.max(axis=0)
+    grid = [np.linspace(a, b, GRID if b > a else 1).tolist() for a, b in zip(low, high, strict=True)]
+    centres = (
+        product(*grid) if min(len(axis) for axis in grid) == 1 else place
+    )  # a plan has a grid; in space, points do
+    for centre in np.concatenate([place, centres]):
         far = np.sort(np.linalg.norm(place - centre, axis=1))
         for count in range(2, max(3, len(place) // 3) + 1):
             radius = 0.5 * float(far[count - 1] + far[min(count, len(far) - 1)])  # midway to the next point

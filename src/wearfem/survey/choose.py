@@ -123,12 +123,15 @@ def _evidence(fitted: Fit) -> float:
 def _refined(data: Readings, found: Fit, tried: dict[frozenset[str], Fit]) -> Fit:
     """A free curve with more knots, where the readings pay for them"""
     last = found.suspects[-1]
-    if not last.name.startswith("FactorCurve"):
+    if not last.free[0].name.startswith("ratio_at_"):
         return found
     base = found.suspects[:-1]
     start = tried.get(frozenset(s.name for s in base))
     for knots in FINER:
-        for finer in curves(data.past, data.depth_knots, knots):
+        for finer in [
+            *candidates(data.past, data.deepest, knots),
+            *curves(data.past, data.depth_knots, knots),
+        ]:
             if finer.name == last.name and len(finer.free) > len(found.suspects[-1].free):
                 again = fit(data, [*base, finer], start)
                 if again.log_evidence > found.log_evidence:

@@ -51,7 +51,7 @@ def suggestion(best: Fit, others: Sequence[Fit], played_by: Sequence[Sequence[st
         past = _longer(data.past, ahead * step)
         when = last + ahead * step
         for factor in (1.0, *SCALED):
-            if factor == 1.0 and ahead == 0.0:
+            if (factor == 1.0 and ahead == 0.0) or (factor != 1.0 and rival is None):
                 continue
             seen = past if factor == 1.0 else _exposed(past, factor)
             told = _information(best, rival, seen)

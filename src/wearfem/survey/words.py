@@ -42,7 +42,7 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
             "model as it is",
             f"{_error(found.baseline, unit)} (gauge {found.noise_floor:.2g} {unit}; {_line(found, unit)})",
         ),
-        ("not noise" if found.tests_before[0].p < NOISE_LEVEL else "noise", _noise(found.tests_before)),
+        (_label(found.tests_before, bool(found.effects)), _noise(found.tests_before, bool(found.effects))),
         *(("doubted", _doubt(doubt)) for doubt in found.doubts),
         *(("nuisances", told) for told in _nuisances(found)),
     ]
@@ -58,7 +58,7 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
         rows.append(("", f"cannot be told from: {others}"))
     if found.effects:
         rows.append(("added", _error(found.improved, unit)))
-        rows.append(("what is left", _noise(found.tests_after)))
+        rows.append(("what is left", _noise(found.tests_after, False)))
         without = found.heldout.named_without_them
         if without is not None and set(without) != {effect.name for effect in found.effects}:
             rows.append(
@@ -99,8 +99,16 @@ def _line(found: Diagnosis, unit: str) -> str:
     return "no straight line to compare" if line is None else f"straight line per point {line:.3g} {unit}"
 
 
-def _noise(tests: Sequence[NoiseTest]) -> str:
+def _label(tests: Sequence[NoiseTest], named: bool) -> str:
+    return "not noise" if named or tests[0].p < NOISE_LEVEL else "noise"
+
+
+def _noise(tests: Sequence[NoiseTest], named: bool) -> str:
     first = tests[0]
+    if first.p >= NOISE_LEVEL and named:
+        return (
+            f"p {first.p:.2g} against {first.quantity} in general; an effect of a known shape stands out more"
+        )
     if first.p >= NOISE_LEVEL:
         return f"what is left is noise as far as can be seen (least p {first.p:.2g}, with {first.quantity})"
     strong = [t for t in tests if t.p < NOISE_LEVEL]
@@ -190,7 +198,7 @@ def calibration_lines(found: Calibration, survey: Survey) -> list[str]:
             f"{found.rmse:.3g} {survey.measured_unit} RMSE, gauge {found.gauge:.2g} {survey.measured_unit}",
         ),
         *(("doubted", _doubt(doubt)) for doubt in found.doubts),
-        ("not noise" if found.tests[0].p < NOISE_LEVEL else "noise", _noise(found.tests)),
+        (_label(found.tests, False), _noise(found.tests, False)),
     ]
     if not survey.exposure_known:
         rows.append(("note", "no exposure was given: every place is taken to be exposed alike"))
