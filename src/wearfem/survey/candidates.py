@@ -336,10 +336,15 @@ def _ratio_at(place: str) -> Free:
     return Free(f"ratio_at_{place}", "-", lambda u: u)
 
 
-def _walk(steps: Sequence[float]) -> tuple[float, ...]:
-    """Ratios from knot to knot, each a normal step in logarithms from the one before; the first is 1"""
-    width = CURVE_STEP * np.sqrt((KNOTS - 1) / len(steps))
-    return (1.0, *(float(r) for r in np.exp(np.clip(width * np.cumsum(steps), -8.0, 8.0))))
+def log_steps(coordinate: Sequence[float]) -> np.ndarray:
+    """Steps of the logarithm of a curve from knot to knot: small ones are normal, large ones less rare (hyperbolic sine)"""
+    width = CURVE_STEP * np.sqrt((KNOTS - 1) / len(coordinate))
+    return width * np.sinh(np.clip(coordinate, -5.0, 5.0))
+
+
+def _walk(coordinate: Sequence[float]) -> tuple[float, ...]:
+    """Ratios at the knots of a curve; the first is 1"""
+    return (1.0, *(float(r) for r in np.exp(np.clip(np.cumsum(log_steps(coordinate)), -13.0, 13.0))))
 
 
 def _knots(value: np.ndarray, most: int) -> np.ndarray:

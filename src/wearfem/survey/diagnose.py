@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from wearfem.errors import UserError, in_words
+from wearfem.survey.candidates import log_steps
 from wearfem.survey.choose import Choice, choose
 from wearfem.survey.doubt import Doubt, doubted
 from wearfem.survey.identify import COEFFICIENT_PRIOR, Fit, Readings, fit, readings
@@ -13,12 +14,13 @@ from wearfem.survey.next_reading import Suggestion, suggestion
 from wearfem.survey.nuisance import nuisances
 from wearfem.survey.residual import NoiseTest, noise_tests
 from wearfem.survey.survey import Survey
-from wearfem.wear.effects import OreChange
+from wearfem.wear.effects import BuildUp, OreChange
 
 NOISE_LEVEL = 0.01  # false alarms of all tests together, below which what is left is not noise
 EVEN_SCATTER = 0.10  # [-] places that differ by more are not explained by chance
 EVEN_BOOK = 0.05  # [-] intervals that differ by more are no error of the tonnage book
 LEAST_READINGS = 8
+PLACE = ("centre_x", "centre_y", "centre_z", "radius")  # of a patch, in metres
 WIDTH_90 = 1.645  # standard deviations, 90 % of a normal distribution
 
 
@@ -257,9 +259,12 @@ def _parameters(best: Fit, place: int, at: int) -> dict[str, Parameter]:
         found[free.name] = Parameter(free.value(float(coordinate[i])), (ends[0], ends[1]), free.unit)
     if any(free.name.startswith("ratio_at_") for free in suspect.free):
         found = _curve_points(best, place, at)
-    for name, value in effect.__dict__.items():
+    fixed = dict(effect.__dict__)
+    if isinstance(effect, BuildUp):
+        fixed |= {f"centre_{axis}": c for axis, c in zip("xyz", effect.centre, strict=True)}
+    for name, value in fixed.items():
         if name not in found and isinstance(value, int | float) and not isinstance(value, bool):
-            found[name] = Parameter(float(value), None, "")
+            found[name] = Parameter(float(value), None, "m" if name in PLACE else "")
     return found
 
 
@@ -269,8 +274,7 @@ def _curve_points(best: Fit, place: int, at: int) -> dict[str, Parameter]:
     n = len(suspect.free)
     coordinate = best.coordinate[at : at + n]
     ratio = np.array(suspect.effect(coordinate).__dict__["ratio"])
-    step = np.log(np.array(suspect.effect(np.eye(n)[0]).__dict__["ratio"])[1])
-    total = step * np.tri(n)
+    total = np.tri(n) * (log_steps(coordinate + 1e-4) - log_steps(coordinate - 1e-4)) / 2e-4
     deviation = np.sqrt(np.diag(total @ best.deviation[at : at + n, at : at + n] @ total.T))
     return {
         free.name: Parameter(

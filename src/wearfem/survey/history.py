@@ -20,7 +20,7 @@ CELLS = 240  # of the table over depth: error of the depth below 1e-4 for factor
 GAUSS_AT = 0.5 + 0.5 * np.array([-np.sqrt(0.6), 0.0, np.sqrt(0.6)])
 GAUSS_WEIGHT = np.array([5.0, 8.0, 5.0]) / 18.0
 STEPS = 4  # of the classical Runge-Kutta rule in an interval, where wear and additions go together
-FAINT = 1e-3  # [-] least factor over depth: where nothing wears, the integral of 1/g has no end
+FAINT = 1e-6  # [-] least factor over depth: where nothing wears, the integral of 1/g has no end
 
 
 @dataclass(frozen=True)

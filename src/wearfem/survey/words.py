@@ -5,7 +5,7 @@ from typing import Any
 
 from wearfem.errors import in_words
 from wearfem.survey.calibrate import Calibration
-from wearfem.survey.diagnose import NOISE_LEVEL, Diagnosis, Effect, Parameter, Score
+from wearfem.survey.diagnose import NOISE_LEVEL, PLACE, Diagnosis, Effect, Parameter, Score
 from wearfem.survey.doubt import Doubt
 from wearfem.survey.residual import NoiseTest
 from wearfem.survey.survey import Survey
@@ -142,12 +142,13 @@ def _effect(effect: Effect, survey: Survey) -> str:
         SAYS.get(effect.name)
         or f"a factor that follows {effect.quantity}, as a curve (tabulated, no formula)"
     )
-    return f"{says} [{effect.name}]: {', '.join(_parameter(n, p, survey) for n, p in effect.parameters.items() if p.interval)}"
+    shown = [_parameter(n, p, survey) for n, p in effect.parameters.items() if p.interval or n in PLACE]
+    return f"{says} [{effect.name}]: {', '.join(shown)}"
 
 
 def _parameter(name: str, parameter: Parameter, survey: Survey) -> str:
     unit = parameter.unit.replace("progress", survey.progress_unit or survey.progress_name)
-    factor, unit = (1e3, "mm") if unit == "m" and survey.measured_unit in {"mm", "um"} else (1.0, unit)
+    factor, unit = (1e3, "mm") if unit == "m" and name not in PLACE else (1.0, unit)
     factor, unit = (1e-3, "1/mm") if unit == "1/m" and name == "loss" else (factor, unit)
     value = f"{name} {factor * parameter.value:.3g}"
     if parameter.interval:
