@@ -142,3 +142,20 @@ def test_a_change_of_rate_is_not_doubted(tmp_path):
         for o in range(1, 9)
     ]
     assert doubted(read_survey(written(tmp_path, "\n".join(rows)))) == ()
+
+
+def test_a_plate_whose_wear_vanishes_is_taken_as_replaced(tmp_path):
+    rows = [GOOD.strip().replace("depth", "thickness")]
+    for p in range(4):
+        for o in range(9):
+            worn = 0.5 * (o - 5 if p == 3 and o >= 5 else o) + 0.01 * ((p * 7 + o * 3) % 5)
+            rows.append(f"P{p},{o},{o},{20 - worn}")
+    survey = read_survey(written(tmp_path, "\n".join(rows)))
+    assert survey.taken_as_replaced == ("P3",)
+    assert survey.life_start.tolist() == [0, 0, 0, 0, 4]
+
+
+def test_a_survey_without_wear_is_refused(tmp_path):
+    survey = read_survey(written(tmp_path, GOOD + "A,1,10,0\nA,2,20,0\n"))
+    with pytest.raises(UserError, match="shows no wear"):
+        calibrate(survey)

@@ -336,7 +336,7 @@ def _ratio_at(place: str) -> Free:
     return Free(f"ratio_at_{place}", "-", lambda u: u)
 
 
-def log_steps(coordinate: Sequence[float]) -> np.ndarray:
+def log_steps(coordinate: Sequence[float] | np.ndarray) -> np.ndarray:
     """Steps of the logarithm of a curve from knot to knot: small ones are normal, large ones less rare (hyperbolic sine)"""
     width = CURVE_STEP * np.sqrt((KNOTS - 1) / len(coordinate))
     return width * np.sinh(np.clip(coordinate, -5.0, 5.0))

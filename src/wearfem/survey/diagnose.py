@@ -332,6 +332,11 @@ def _held_out_names(data: Readings, held: np.ndarray, named: tuple[str, ...] | N
 def _notes(choice: Choice, data: Readings) -> list[str]:
     """What a reader must know beside the figures"""
     notes = []
+    if data.survey.taken_as_replaced:
+        notes.append(
+            f"the plate at {in_words(data.survey.taken_as_replaced)} was taken to be replaced, since its wear vanished; a column "
+            "specimen would tell"
+        )
     spread = choice.best.spread
     if not data.survey.exposure_known:
         notes.append("no exposure was given: every place is taken to be exposed alike")

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.optimize import least_squares
 
+from wearfem.errors import UserError
 from wearfem.survey.candidates import Candidate
 from wearfem.survey.history import History, Model, depths, history
 from wearfem.survey.nuisance import (
@@ -31,6 +32,7 @@ from wearfem.wear.effects import Corrosion
 ROUNDS = 3  # of parameters and standard deviations in turn
 KEPT = 2  # starts that are followed to their end
 SEARCHED = 4  # starts that are searched; more are screened first
+ENOUGH = 6  # lines that tell the scatter of readings
 COEFFICIENT_PRIOR = 1.5  # standard deviation of the logarithm of the coefficient about its first guess
 
 
@@ -48,6 +50,8 @@ class Readings:
         Standard error of a reading, as given; None where it is not.
     reference
         [SI] what counts as a small error: the gauge's, given or guessed from the scatter about smooth lines.
+    reference_known
+        Whether that is given, or guessed from enough lines.
     thickness_free
         Whether the new thickness is known from readings only.
     coefficient
@@ -59,6 +63,7 @@ class Readings:
     worn: np.ndarray
     gauge: float | None
     reference: float
+    reference_known: bool
     thickness_free: bool
     coefficient: float
 
@@ -84,12 +89,17 @@ def readings(survey: Survey) -> Readings:
     """Wear from readings, with the first guesses that a search needs."""
     past = history(survey)
     worn, free = _worn(survey)
+    if not worn.max(initial=0.0) > 0.0:
+        raise UserError(
+            f"{survey.source} shows no wear: no reading is beyond that of a new plate; check {survey.measured_name}"
+        )
     gauge = float(np.nanmedian(survey.sigma)) if np.isfinite(survey.sigma).any() else None
     steady = past.of_rows(depths(past, Model(1.0)))
     used = steady > 0.0
     guess = float(np.median(worn[used]) / np.median(steady[used])) if used.any() else 1.0
     coefficient = guess if guess > 0.0 else float(np.abs(worn).max() / steady.max())
-    return Readings(survey, past, worn, gauge, gauge or _roughness(survey, worn), free, coefficient)
+    rough, enough = _roughness(survey, worn)
+    return Readings(survey, past, worn, gauge, gauge or rough, gauge is not None or enough, free, coefficient)
 
 
 def _worn(survey: Survey) -> tuple[np.ndarray, bool]:
@@ -108,8 +118,8 @@ def _worn(survey: Survey) -> tuple[np.ndarray, bool]:
     return new[survey.life] - survey.reading, True
 
 
-def _roughness(survey: Survey, worn: np.ndarray) -> float:
-    """A guess of the gauge's error: scatter about lines through neighbours in progress, occasion by occasion"""
+def _roughness(survey: Survey, worn: np.ndarray) -> tuple[float, bool]:
+    """A guess of the gauge's error, scatter about lines through neighbours in progress; and whether there are enough of them"""
     apart = []
     for life in np.unique(survey.life):
         rows = np.flatnonzero(survey.life == life)
@@ -119,8 +129,9 @@ def _roughness(survey: Survey, worn: np.ndarray) -> float:
         part = (t[1:-1] - t[:-2]) / span
         line = (1.0 - part) * d[:-2] + part * d[2:]
         apart.extend((d[1:-1] - line) / np.sqrt(1.0 + part**2 + (1.0 - part) ** 2))
-    size = 1.4826 * float(np.median(np.abs(apart))) if apart else 0.0
-    return max(size, 1e-3 * float(np.abs(worn).max()))
+    enough = len(apart) >= ENOUGH
+    size = 1.4826 * float(np.median(np.abs(apart))) if enough else 0.0
+    return max(size, (1e-3 if enough else 1e-2) * float(np.abs(worn).max())), enough
 
 
 @dataclass(frozen=True)

@@ -28,6 +28,7 @@ SCALE_PRIOR = 0.02  # [-] of what a campaign reads too much of the wear
 BOOK_PRIOR = 0.02  # [-] and of the error of the tonnage book in an interval
 OFFSET_PRIOR = 1.0  # [gauge errors] and of zero errors and new thicknesses
 GAUGE_PRIOR = 0.15  # [-] standard deviation of the logarithm of the gauge error about what was given
+GUESS_PRIOR = 0.7  # the same about a guess
 FREE = 1e3  # [gauge errors] standard deviation of a new thickness that only readings tell
 LEAST_SHARE = 1e-3  # of a prior's mean: what counts as zero
 
@@ -180,8 +181,7 @@ def log_prior(spread: Spread, told: float | None, reference: float) -> float:
     """
     value = -(spread.zero + spread.initial) / (OFFSET_PRIOR * reference)
     value -= spread.scatter / SCATTER_PRIOR + spread.book / BOOK_PRIOR + spread.scale / SCALE_PRIOR
-    if told is not None:
-        value -= 0.5 * (np.log(spread.gauge / told) / GAUGE_PRIOR) ** 2
+    value -= 0.5 * (np.log(spread.gauge / (told or reference)) / (GAUGE_PRIOR if told else GUESS_PRIOR)) ** 2
     return float(value)
 
 
@@ -221,8 +221,7 @@ def fit_spread(
         slope = 2.0 * size**2 * np.array([by_gauge, *(each[found.group == k].sum() for k in (0, 1, 2, 3, 5))])
         slope[0] += 2.0 * FREE**2 * g2 * each[found.group == 4].sum()
         slope += size / unit / np.array([np.inf, *[OFFSET_PRIOR] * 2, 1.0, 1.0, 1.0])
-        if told is not None:
-            slope[0] += np.log(spread.gauge / told) / GAUGE_PRIOR**2
+        slope[0] += np.log(spread.gauge / (told or reference)) / (GAUGE_PRIOR if told else GUESS_PRIOR) ** 2
         return value - log_prior(spread, told, reference), slope
 
     first = np.log(np.maximum(np.array(list(_values(start).values())) / unit, 1.01 * LEAST_SHARE))

@@ -42,10 +42,10 @@ class NoiseTest:
 def noise_spread(fitted: Fit) -> Spread:
     """Noise as a careful campaign has it: no more than the fit found, and no more than the gauge and the book allow."""
     found, data = fitted.spread, fitted.readings
+    guess = min(found.gauge, data.reference) if data.reference_known else found.gauge
     return Spread(
-        data.gauge or min(found.gauge, data.reference), found.zero, min(found.initial, data.reference),
-        min(found.scatter, CAREFUL_SCATTER), min(found.book, BOOK_PRIOR),
-        min(found.scale, SCALE_PRIOR),
+        data.gauge or guess, found.zero, min(found.initial, data.reference), min(found.scatter, CAREFUL_SCATTER),
+        min(found.book, BOOK_PRIOR), min(found.scale, SCALE_PRIOR),
     )  # fmt: skip
 
 

@@ -59,6 +59,8 @@ class Survey:
         (n,) or (n, 3) [SI] by name: covariates and features of the state, each over the time since the reading before.
     source
         Where the rows come from.
+    taken_as_replaced
+        Points whose plate was taken to be replaced because the wear vanished, where no specimens are told.
     """
 
     point: np.ndarray
@@ -82,6 +84,7 @@ class Survey:
     exposure_known: bool
     feature: Mapping[str, np.ndarray]
     source: str
+    taken_as_replaced: tuple[str, ...] = ()
 
     @property
     def size(self) -> int:
@@ -134,6 +137,12 @@ def read_survey(path: Path, *, progress: str = "", exposure: Path | None = None)
     point_names = tuple(dict.fromkeys(table["point"]))
     point = np.array([point_names.index(name) for name in table["point"]])
     occasion, occasion_names = _occasions(table, at)
+    reading = told.si(numbers(path, measured, table[measured]))
+    replaced: tuple[str, ...] = ()
+    if "specimen" not in table:
+        plate = _plates(point, at, MEASURED[told.quantity] * reading)
+        table["specimen"] = [str(number) for number in plate]
+        replaced = tuple(point_names[p] for p in np.unique(point[plate > 0]))
     life, life_point, life_start = _lives(path, table, point, at, clock)
     feature, exposed = _features(path, table, {"point", "occasion", "specimen", clock, measured})
     known = exposed is not None
@@ -149,9 +158,9 @@ def read_survey(path: Path, *, progress: str = "", exposure: Path | None = None)
         )
     return Survey(
         point, occasion, life, point_names, occasion_names, at, clock, column(clock).unit,
-        told.si(numbers(path, measured, table[measured])), MEASURED[told.quantity],
+        reading, MEASURED[told.quantity],
         measured, told.unit, told.factor, sigma, _beside(path, table, "initial", told.factor),
-        life_point, life_start, np.ones(len(at)) if exposed is None else exposed, known, feature, str(path),
+        life_point, life_start, np.ones(len(at)) if exposed is None else exposed, known, feature, str(path), replaced,
     )  # fmt: skip
 
 
@@ -219,6 +228,23 @@ def _lives(
         if (start > first).any():
             raise UserError(f"{path} has plates that were read before {told[0]}; compare it with {clock}")
     return life, life_point, start
+
+
+def _plates(point: np.ndarray, at: np.ndarray, grown: np.ndarray) -> np.ndarray:
+    """Number of the plate (n,) at each point: the next one where more than half the wear vanishes and stays away"""
+    plate = np.zeros(len(point), int)
+    ranges = [float(np.ptp(grown[point == p])) for p in np.unique(point)]
+    for p in np.unique(point):
+        rows = np.flatnonzero(point == p)
+        rows = rows[np.argsort(at[rows], kind="stable")]
+        first = 0
+        for i in range(1, len(rows) - 1):
+            worn = grown[rows[i - 1]] - grown[rows[first]]
+            gone = grown[rows[i - 1]] - grown[rows[i : i + 2]]
+            if worn > 0.3 * max(ranges) and (gone > 0.5 * worn).all() and at[rows[i]] > at[rows[i - 1]]:
+                plate[rows[i:]] += 1
+                first = i
+    return plate
 
 
 def _beside(path: Path, table: Mapping[str, list[str]], quantity: str, factor: float) -> np.ndarray:
