@@ -20,6 +20,9 @@ ALIKE = 3.0  # nats: odds of 20 to 1, below which two models are not told apart
 MOST_EFFECTS = 3
 FINER = (9, 13)  # knots of a free curve that has been chosen
 QUIET = 0.5  # p of all tests of noise together, above which no further effect is looked for
+EVEN_SCATTER = 0.10  # [-] places that differ by more are not explained by chance
+EVEN_BOOK = 0.05  # [-] intervals that differ by more are no error of the tonnage book
+EVEN_SCALE = 0.03  # [-] nor campaigns one of the gauge
 MIMIC_KNOTS = 8
 MIMIC_SQUARE = 9.0  # squared distance in standard deviations (3 of them), below which one model plays another
 
@@ -40,6 +43,8 @@ class Choice:
         [nats] prior log odds of each suspect against none.
     played_by
         For each effect of `best`, quantities whose free function would give these readings too.
+    unsure
+        Whether large nuisances explain the readings nearly as well as the effect: more probable than not, and not sure.
     """
 
     plain: Fit
@@ -47,6 +52,7 @@ class Choice:
     tried: tuple[Fit, ...]
     odds: float
     played_by: tuple[tuple[str, ...], ...]
+    unsure: bool = False
 
     def belief(self, fitted: Fit) -> float:
         """Evidence with prior odds [nats]"""
@@ -111,9 +117,18 @@ def choose(data: Readings) -> Choice:
                 break
     fewer = [f for f in tried.values() if len(f.suspects) < len(best.suspects)]
     best = max([best, *(f for f in fewer if f.log_evidence - odds > best.log_evidence)], key=_evidence)
-    return Choice(
-        plain, best, tuple(tried.values()), odds, tuple(players(best, i) for i in range(len(best.suspects)))
-    )
+    unsure = not best.suspects and uneven(plain.spread)
+    if unsure:
+        single = max((f for f in tried.values() if len(f.suspects) == 1), key=_evidence)
+        unsure = single.log_evidence - plain.log_evidence + odds > 0.0
+        best = single if unsure else best
+    played = tuple(players(best, i) for i in range(len(best.suspects)))
+    return Choice(plain, best, tuple(tried.values()), odds, played, unsure)
+
+
+def uneven(spread: Spread) -> bool:
+    """Whether places, campaigns or intervals differ by more than careful work lets them"""
+    return spread.scatter > EVEN_SCATTER or spread.book > EVEN_BOOK or spread.scale > EVEN_SCALE
 
 
 def _evidence(fitted: Fit) -> float:

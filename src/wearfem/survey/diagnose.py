@@ -7,7 +7,7 @@ import numpy as np
 
 from wearfem.errors import UserError, in_words
 from wearfem.survey.candidates import log_steps
-from wearfem.survey.choose import Choice, choose
+from wearfem.survey.choose import EVEN_BOOK, EVEN_SCALE, EVEN_SCATTER, Choice, choose, uneven
 from wearfem.survey.doubt import Doubt, doubted
 from wearfem.survey.identify import COEFFICIENT_PRIOR, Fit, Readings, fit, readings
 from wearfem.survey.next_reading import Suggestion, suggestion
@@ -17,8 +17,6 @@ from wearfem.survey.survey import Survey
 from wearfem.wear.effects import BuildUp, OreChange
 
 NOISE_LEVEL = 0.01  # false alarms of all tests together, below which what is left is not noise
-EVEN_SCATTER = 0.10  # [-] places that differ by more are not explained by chance
-EVEN_BOOK = 0.05  # [-] intervals that differ by more are no error of the tonnage book
 LEAST_READINGS = 8
 PLACE = ("centre_x", "centre_y", "centre_z", "radius")  # of a patch, in metres
 WIDTH_90 = 1.645  # standard deviations, 90 % of a normal distribution
@@ -225,6 +223,8 @@ def _effects(choice: Choice) -> tuple[Effect, ...]:
         effect = suspect.effect(best.coordinate[at : at + len(suspect.free)])
         alike = [a for f in choice.instead_of(i) for a in _other(f, best, i)]
         alike += [f"any change with {quantity}" for quantity in choice.played_by[i]]
+        if choice.unsure:
+            alike.append("scatter between places, or errors of campaigns and of the tonnage book")
         if suspect.twin:
             alike.append(suspect.twin)
         if isinstance(effect, OreChange):
@@ -287,10 +287,9 @@ def _curve_points(best: Fit, place: int, at: int) -> dict[str, Parameter]:
 def _verdict(choice: Choice, effects: tuple[Effect, ...], after: tuple[NoiseTest, ...]) -> str:
     """adequate, effect_found, cannot_tell or unexplained"""
     if not effects:
-        uneven = choice.best.spread.scatter > EVEN_SCATTER or choice.best.spread.book > EVEN_BOOK
         left = bool(after) and after[0].p < NOISE_LEVEL
-        return "unexplained" if uneven or left else "adequate"
-    if any(choice.instead_of(i) or choice.played_by[i] for i in range(len(effects))):
+        return "unexplained" if uneven(choice.best.spread) or left else "adequate"
+    if choice.unsure or any(choice.instead_of(i) or choice.played_by[i] for i in range(len(effects))):
         return "cannot_tell"
     return "unexplained" if any(effect.tabulated for effect in effects) else "effect_found"
 
@@ -347,6 +346,10 @@ def _notes(choice: Choice, data: Readings) -> list[str]:
     if spread.book > EVEN_BOOK:
         notes.append(
             f"intervals differ by {100 * spread.book:.0f} % in their rate, at all places alike: the ore or the tonnage book"
+        )
+    if spread.scale > EVEN_SCALE:
+        notes.append(
+            f"campaigns differ by {100 * spread.scale:.0f} % of the wear, at all places alike: the gauge, the ore or the tonnage book"
         )
     if data.gauge and spread.gauge > 1.3 * data.gauge:
         notes.append(
