@@ -90,6 +90,54 @@ def bench(names: tuple[str, ...], json_file: Path | None, quick: bool) -> None:
     bench(names, json_file, quick)
 
 
+survey_argument = click.argument("survey", type=Path)
+progress_option = click.option(
+    "--progress", default="", metavar="COLUMN", help="The column that counts service."
+)
+exposure_option = click.option(
+    "--exposure", type=Path, metavar="CSV", help="Baseline wear by point, with features of the state."
+)
+run_option = click.option(
+    "--run", "run_folder", type=Path, metavar="RUN", help="The run that the readings belong to."
+)
+
+
+@wearfem.command()
+@survey_argument
+@progress_option
+@exposure_option
+@run_option
+@json_option
+def calibrate(
+    survey: Path, progress: str, exposure: Path | None, run_folder: Path | None, json_file: Path | None
+) -> None:
+    """The coefficient of wear from a SURVEY (CSV), with its interval."""
+    from wearfem.measured import calibrate_survey
+
+    calibrate_survey(survey, progress, exposure, run_folder, json_file)
+
+
+@wearfem.command()
+@survey_argument
+@progress_option
+@exposure_option
+@run_option
+@click.option("--out", type=Path, metavar="DIR", help="A folder for diagnosis.json.")
+@json_option
+def diagnose(
+    survey: Path,
+    progress: str,
+    exposure: Path | None,
+    run_folder: Path | None,
+    out: Path | None,
+    json_file: Path | None,
+) -> None:
+    """Say what the model of a SURVEY (CSV) lacks, how sure that is, and what to measure next."""
+    from wearfem.measured import diagnose_survey
+
+    diagnose_survey(survey, progress, exposure, run_folder, out, json_file)
+
+
 def main() -> None:
     """Run a command; a user's mistake becomes one sentence and exit code 2."""
     try:

@@ -10,7 +10,7 @@ PACKAGE = Path(__file__).parents[2] / "src" / "wearfem"
 # From the top to the ground. A part imports from its own line and from the lines below it.
 LAYERS = (
     {"cli"},
-    {"verify", "bench", "check"},
+    {"verify", "bench", "check", "measured"},
     {"proofs"},
     {"benchmarks"},
     {"report", "report_particles", "study", "verification"},

@@ -1,0 +1,177 @@
+"""Diagnosis: virtual plants with a hidden effect, what was named, and the error before and after.
+
+The plants are made by their own equations (`tests/identification/plants.py`), which import nothing of the diagnosis; the diagnosis
+is told nothing of them but the survey and the exposure.
+"""
+
+import importlib.util
+import sys
+import tempfile
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+
+from wearfem.errors import UserError
+from wearfem.proof import Claim
+from wearfem.survey.diagnose import Diagnosis, diagnose
+from wearfem.survey.survey import read_survey
+
+PLANTS = Path(__file__).parents[3] / "tests" / "identification" / "plants.py"
+ISSUE = "what a diagnosis must do, issue 5 of the project"
+NOTHING = ("none", "zero_error")  # plants with no physical effect
+SMALL = {"noise": 0.1, "points": 24, "occasions": 6}
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A plant and what was found in it."""
+
+    plant: str
+    seed: int
+    truth: tuple[str, ...]
+    verdict: str
+    named: tuple[str, ...]
+    alike: tuple[tuple[str, ...], ...]
+    right: bool
+    error_over_noise: float  # error on held-out readings after, over the gauge's standard error
+    covered: tuple[bool, ...]  # whether 90 % intervals hold the truth
+
+
+def plants() -> ModuleType:
+    """The module of virtual plants, which is part of the tests."""
+    if not PLANTS.is_file():
+        raise UserError(f"{PLANTS} is missing; the proof of diagnosis needs the tests beside the package")
+    spec = importlib.util.spec_from_file_location("wearfem_virtual_plants", PLANTS)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+def trial(name: str, seed: int, **design: float) -> Trial:
+    """Make a plant, write its survey, diagnose that."""
+    plant = plants().plant(name, seed, **design)
+    with tempfile.TemporaryDirectory() as folder:
+        survey, exposure = plant.write(Path(folder))
+        found = diagnose(read_survey(survey, exposure=exposure), name_without=False)
+    names = tuple(effect.name.partition("(")[0] for effect in found.effects)
+    after = found.improved.heldout_rmse
+    return Trial(
+        name, seed, plant.truth, found.verdict, names, tuple(e.indistinguishable_from for e in found.effects),
+        is_right(name, plant.truth, found), (after or np.nan) / plant.sigma, covered(plant, found),
+    )  # fmt: skip
+
+
+def is_right(name: str, truth: tuple[str, ...], found: Diagnosis) -> bool:
+    """Whether the verdict is the one that the plant deserves; a set of two that are declared alike counts."""
+    names = [effect.name.partition("(")[0] for effect in found.effects]
+    if name in NOTHING:
+        return not names
+    if name == "same_exposure":
+        return found.verdict == "cannot_tell"
+    if name == "outside_library":
+        return found.verdict == "unexplained" and [e.quantity for e in found.effects] == ["depth"]
+    if len(names) != len(truth):
+        return False
+    sets = [{n, *e.indistinguishable_from} for n, e in zip(names, found.effects, strict=True)]
+    return all(
+        any(t == n or (t in s and len(s) <= 2) for n, s in zip(names, sets, strict=True)) for t in truth
+    )
+
+
+# The truth of a plant's parameter [unit of the plant], by effect and parameter; factor to SI.
+TOLD = {
+    ("HardnessGradient", "loss"): ("loss_per_mm", 1e3),
+    ("Overlay", "thickness"): ("thickness_mm", 1e-3),
+    ("Overlay", "ratio"): ("ratio", 1.0),
+    ("RunningIn", "excess"): ("excess", 1.0),
+    ("RunningIn", "depth"): ("depth_mm", 1e-3),
+    ("OreChange", "ratio"): ("ratio", 1.0),
+    ("OreHardness", "exponent"): ("exponent", 1.0),
+    ("Temperature", "softening"): ("softening", 1.0),
+    ("Corrosion", "depth_rate"): ("um_per_day", 1e-6 / 86400.0),
+    ("PressureExponent", "exponent"): ("exponent", 1.0),
+    ("SpeedExponent", "exponent"): ("exponent", 1.0),
+    ("BuildUp", "ratio"): ("ratio", 1.0),
+}
+
+
+def covered(plant: object, found: Diagnosis) -> tuple[bool, ...]:
+    """Whether each 90 % interval holds the truth, where the plant has the same parameter."""
+    truth: dict[str, float] = plant.parameter  # type: ignore[attr-defined]
+    told = []
+    for effect in found.effects:
+        for name, parameter in effect.parameters.items():
+            key, factor = TOLD.get((effect.name, name), ("", 0.0))
+            if parameter.interval and key in truth and effect.name in plant.truth:  # type: ignore[attr-defined]
+                told.append(parameter.interval[0] <= factor * truth[key] <= parameter.interval[1])
+    return tuple(told)
+
+
+def confusion(trials: Sequence[Trial]) -> list[str]:
+    """The confusion matrix as lines: a plant a line, what was named how often."""
+    lines = []
+    for name in dict.fromkeys(t.plant for t in trials):
+        own = [t for t in trials if t.plant == name]
+        said: dict[str, int] = {}
+        for t in own:
+            label = " + ".join(t.named) or "nothing"
+            label += "" if t.verdict in ("effect_found", "adequate") else f" ({t.verdict})"
+            said[label] = said.get(label, 0) + 1
+        right = sum(t.right for t in own)
+        listed = ", ".join(
+            f"{label} {count}" for label, count in sorted(said.items(), key=lambda item: -item[1])
+        )
+        lines.append(f"  {name:<18} {right:>3} of {len(own):>3}  {listed}")
+    return lines
+
+
+def claims() -> Iterator[Claim]:
+    """One plant of each kind, 24 points and 6 occasions at 0.1 mm: the confusion matrix, then what it comes to."""
+    module = plants()
+    trials = []
+    for name in module.NAMES:
+        trials.append(trial(name, 1, **SMALL))
+        print("\n".join(confusion(trials[-1:])), flush=True)
+    yield from summary(trials, module.SEPARABLE)
+
+
+def summary(trials: Sequence[Trial], separable: Sequence[str]) -> Iterator[Claim]:
+    """What a set of trials comes to, beside what is asked."""
+    apart = [t for t in trials if t.plant in separable]
+    if apart:
+        yield Claim(
+            "share of separable plants whose effect was named", ISSUE, 1.0, float(np.mean([t.right for t in apart])), "-", 0.05, False,
+            f"{len(apart)} plants; at least 95 % is asked",
+        )  # fmt: skip
+        ratio = [t.error_over_noise for t in apart if t.right]
+        yield Claim(
+            "median of error on held-out readings after, over the gauge's", ISSUE, 1.0, float(np.median(ratio)), "-", 0.15, False,
+            f"1.15 is asked; the largest of {len(ratio)} is {max(ratio):.2f}",
+        )  # fmt: skip
+        inside = [c for t in apart if t.right for c in t.covered]
+        if len(inside) >= 50:
+            yield Claim(
+                "share of 90 % intervals that hold the truth", ISSUE, 0.90, float(np.mean(inside)), "-", 0.05, False,
+                f"{len(inside)} intervals; 85 to 95 % is asked",
+            )  # fmt: skip
+    quiet = [t for t in trials if t.plant in NOTHING]
+    if quiet:
+        yield Claim(
+            "share of plants without effect in which one was named", ISSUE, 0.0, float(np.mean([not t.right for t in quiet])),
+            "-", 0.05, False, f"{len(quiet)} plants; under 5 % is asked",
+        )  # fmt: skip
+    for name, words in (
+        ("same_exposure", "share of plants exposed alike in which the tool says that it cannot tell"),
+        (
+            "outside_library",
+            "share of plants with a strange effect traced to its quantity and called unexplained",
+        ),
+    ):
+        own = [t.right for t in trials if t.plant == name]
+        if own:
+            yield Claim(words, ISSUE, 1.0, float(np.mean(own)), "-", 0.05, False, f"{len(own)} plants")

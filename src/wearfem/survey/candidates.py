@@ -1,0 +1,359 @@
+"""Suspects: each effect of the library with its free parameters, how large they may reasonably be, and where a search begins.
+
+A free parameter is searched in a coordinate without bounds that is normal (0, 1) before the data are seen; `Free.value` turns it into the
+parameter. So the same lines serve as bounds, as start and as prior, and a suspect pays for each parameter that the data must fix.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import ndtr
+
+from wearfem.survey.curve import FactorCurve
+from wearfem.survey.history import History
+from wearfem.wear import effects as library
+from wearfem.wear.effect import FactorEffect
+from wearfem.wear.effects import Corrosion
+
+Suspect = FactorEffect | Corrosion
+KNOTS = 5  # of a free curve
+GRID = 16  # places along each side of a plan where the middle of a patch may lie
+CURVE_STEP = 0.4  # [-] standard deviation of the logarithm of a free curve from knot to knot
+CURVE_PENALTY = 2.0  # nats: a curve that nobody can name must be 7 times more probable than an effect
+
+
+@dataclass(frozen=True)
+class Free:
+    """A free parameter: its name, its unit in SI, and its value for a normal coordinate."""
+
+    name: str
+    unit: str
+    value: Callable[[float], float]
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A suspect.
+
+    Parameters
+    ----------
+    name
+        Of the effect; of a free curve the quantity too.
+    free
+        Its free parameters.
+    build
+        The effect for their values.
+    starts
+        (s, d) coordinates from which a search begins.
+    penalty
+        Nats taken off its log odds.
+    twin
+        Name of an effect of the library that is the same curve up to the coefficient.
+    quantity
+        What it depends on.
+    frozen
+        How many of the last coordinates stay where a start has put them.
+    """
+
+    name: str
+    free: tuple[Free, ...]
+    build: Callable[[Sequence[float]], Suspect]
+    starts: np.ndarray
+    quantity: str
+    penalty: float = 0.0
+    twin: str = ""
+    frozen: int = 0
+
+    def effect(self, coordinate: np.ndarray) -> Suspect:
+        """The effect at a coordinate (d,)."""
+        return self.build([f.value(float(u)) for f, u in zip(self.free, coordinate, strict=True)])
+
+
+def around(middle: float, width: float) -> Callable[[float], float]:
+    """A parameter of either sign: normal."""
+    return lambda u: middle + width * u
+
+
+def above_zero(middle: float, width: float) -> Callable[[float], float]:
+    """A parameter above zero: log-normal, `width` in natural logarithms."""
+    return lambda u: middle * float(np.exp(np.clip(width * u, -12.0, 12.0)))
+
+
+def between(low: float, high: float) -> Callable[[float], float]:
+    """A parameter with two bounds: uniform."""
+    return lambda u: low + (high - low) * float(np.clip(ndtr(u), 1e-6, 1.0 - 1e-6))
+
+
+def product(*axes: Sequence[float]) -> np.ndarray:
+    """All combinations of coordinates (s, d)."""
+    return np.array(np.meshgrid(*axes, indexing="ij")).reshape(len(axes), -1).T
+
+
+def candidates(past: History, deepest: float, knots: int = KNOTS) -> list[Candidate]:
+    """All suspects that the columns of a survey allow; `deepest` [unit of depth] is the largest wear read."""
+    return [
+        *by_depth(deepest),
+        *by_progress(past),
+        *by_time(past, deepest),
+        *by_log(past),
+        *by_load(past, knots),
+        *by_place(past),
+    ]
+
+
+def by_depth(deepest: float) -> list[Candidate]:
+    """What the plate is made of."""
+    excess = Free("excess", "-", above_zero(0.7, 0.8))
+    loss = Free("loss", "1/m", above_zero(0.4 / deepest, 0.8))
+    core = Free("core", "-", between(0.15, 0.98))
+    layer = Free("thickness", "m", between(0.03 * deepest, 0.97 * deepest))
+    ratio = Free("ratio", "-", lambda u: 1.0 + above_zero(0.7, 0.8)(u))
+    in_depth = Free("depth", "m", above_zero(0.12 * deepest, 0.8))
+    return [
+        Candidate(
+            "HardnessGradient", (loss, core), lambda v: library.HardnessGradient(v[0], v[1]),
+            product([-1.0, 0.5], [-0.8, 0.6]), "depth",
+        ),
+        Candidate(
+            "Overlay", (layer, ratio), lambda v: library.Overlay(v[0], v[1]),
+            product([-1.3, -0.8, -0.4, 0.0, 0.4, 0.8], [0.0]), "depth",
+        ),
+        Candidate(
+            "RunningIn", (excess, in_depth), lambda v: library.RunningIn(v[0], v[1]),
+            product([0.0], [-1.0, 0.0, 1.0]), "depth", twin="WorkHardeningByDepth",
+        ),
+    ]  # fmt: skip
+
+
+def by_progress(past: History) -> list[Candidate]:
+    """What changes while service goes on, at all places alike."""
+    first, last = float(past.begin.min()), float(past.end.max())
+    ends = np.unique(past.end[past.end > past.begin])
+    if len(ends) < 3:
+        return []
+    date = Free("throughput", "progress", between(first, last))
+    ratio = Free("ratio", "-", above_zero(1.0, 0.4))
+    excess = Free("excess", "-", above_zero(0.7, 0.8))
+    scale = Free("throughput", "progress", above_zero(0.15 * (last - first), 0.8))
+    return [
+        Candidate(
+            "OreChange", (date, ratio), lambda v: library.OreChange((v[0],), (v[1],)),
+            product(np.linspace(-1.5, 1.5, 9).tolist(), [0.0]), "date",
+        ),
+        Candidate(
+            "RunningInByThroughput", (excess, scale), lambda v: library.RunningInByThroughput(v[0], v[1]),
+            product([0.0], [-0.7, 0.7]), "date",
+        ),
+    ]  # fmt: skip
+
+
+def by_time(past: History, deepest: float) -> list[Candidate]:
+    """What goes on while nothing rubs; without a calendar, service is taken to have been steady in time."""
+    passed = past.calendar if past.calendar is not None else past.end - past.begin
+    rate = deepest / float(passed.sum(axis=1).max())
+    unit = "m/s" if past.calendar is not None else "m/progress"
+    free = Free("depth_rate", unit, above_zero(0.1 * rate, 0.9))
+    return [Candidate("Corrosion", (free,), lambda v: Corrosion(v[0]), np.zeros((1, 1)), "calendar time")]
+
+
+def by_log(past: History) -> list[Candidate]:
+    """What was written down in the course of service."""
+    found = []
+    ore = past.feature.get("ore_hardness")
+    if ore is not None and _varies(ore) and ore.min() > 0.0:
+        middle = float(np.median(ore))
+        found.append(
+            Candidate(
+                "OreHardness", (Free("exponent", "-", around(0.0, 2.0)),),
+                lambda v: library.OreHardness(v[0], middle), np.zeros((1, 1)), "ore_hardness",
+            )
+        )  # fmt: skip
+    warm = past.feature.get("temperature")
+    if warm is not None and _varies(warm):
+        mean, width = float(np.mean(warm)), float(np.std(warm))
+        found.append(
+            Candidate(
+                "Temperature", (Free("softening", "1/K", around(0.0, 0.35 / width)),),
+                lambda v: library.Temperature(v[0], mean), np.zeros((1, 1)), "temperature",
+            )
+        )  # fmt: skip
+    work = past.feature.get("impact_work")
+    if work is not None and _varies(work) and work.min() >= 0.0:
+        scale = float(np.median(work[work > 0.0]))
+        found.append(
+            Candidate(
+                "WorkHardening",
+                (Free("gain", "-", between(0.0, 1.0)), Free("work", "J/m2", above_zero(0.5 * scale, 1.0))),
+                lambda v: library.WorkHardening(v[0], v[1]), product([0.0], [-1.0, 0.0, 1.0]), "impact_work",
+            )
+        )  # fmt: skip
+    return found
+
+
+def by_load(past: History, knots: int) -> list[Candidate]:
+    """Where the law's exponents are not those of the pair of materials."""
+    found = []
+    pressure, speed = past.feature.get("pressure"), past.feature.get("slip_speed")
+    if pressure is not None and _varies(pressure) and pressure.min() >= 0.0:
+        p0 = float(np.median(pressure))
+        found.append(
+            Candidate(
+                "PressureExponent", (Free("exponent", "-", lambda u: max(1.0 + 0.6 * u, 0.0)),),
+                lambda v: library.PressureExponent(v[0], p0), np.zeros((1, 1)), "pressure",
+            )
+        )  # fmt: skip
+    if speed is not None and _varies(speed) and speed.min() >= 0.0:
+        v0 = float(np.median(speed))
+        found.append(
+            Candidate(
+                "SpeedExponent", (Free("exponent", "-", around(0.0, 0.8)),),
+                lambda v: library.SpeedExponent(v[0], v0), np.zeros((1, 1)), "slip_speed",
+            )
+        )  # fmt: skip
+        slow = [float(np.quantile(speed, share)) for share in (0.08, 0.15, 0.25, 0.35)]
+        found.append(
+            Candidate(
+                "DeadZone", (Free("ratio", "-", between(0.0, 1.0)), Free("slip_speed", "m/s", lambda u: slow[round(u)])),
+                lambda v: library.DeadZone(v[1], v[0]), product([-0.5], [0.0, 1.0, 2.0, 3.0]), "slip_speed", frozen=1,
+            )
+        )  # fmt: skip
+    angle = past.feature.get("impact_angle")
+    if angle is not None and _varies(angle):
+        at = tuple(float(a) for a in _knots(angle, knots))
+        found.append(
+            Candidate(
+                "ImpactAngleCurve", tuple(_ratio_at(f"{np.degrees(a):.0f}_deg") for a in at[1:]),
+                lambda v: library.ImpactAngleCurve(at, _walk(v)), np.zeros((1, len(at) - 1)), "impact_angle",
+            )
+        )  # fmt: skip
+    mobilised = past.feature.get("mobilised_friction")
+    if mobilised is not None and _varies(mobilised) and mobilised.max() > 0.0:
+        friction = float(mobilised.max())
+        found.append(
+            Candidate(
+                "SlipShare", (Free("rolling_ratio", "-", above_zero(0.7, 0.9)),),
+                lambda v: library.SlipShare(v[0], friction), np.zeros((1, 1)), "mobilised_friction",
+            )
+        )  # fmt: skip
+    return found
+
+
+def by_place(past: History) -> list[Candidate]:
+    """Where something is: x along the flow, y across it."""
+    position = past.feature.get("position")
+    if position is None:
+        return []
+    place = np.unique(position[:, 0], axis=0)
+    found = []
+    if np.ptp(place[:, 1]) > 0.0:
+        half, middle = 0.5 * float(np.ptp(place[:, 1])), 0.5 * float(place[:, 1].min() + place[:, 1].max())
+        found.append(
+            Candidate(
+                "LateralBias", (Free("slope", "1/m", around(0.0, 0.25 / half)),),
+                lambda v: library.LateralBias(v[0], (0.0, 1.0, 0.0), (0.0, middle, 0.0)), np.zeros((1, 1)), "position",
+            )
+        )  # fmt: skip
+    if np.ptp(place[:, 0]) > 0.0:
+        begin, way = float(place[:, 0].min()), float(np.ptp(place[:, 0]))
+        found.append(
+            Candidate(
+                "AngularityLoss", (Free("length", "m", above_zero(2.0 * way, 0.8)),),
+                lambda v: library.AngularityLoss(v[0], (1.0, 0.0, 0.0), (begin, 0.0, 0.0)), np.zeros((1, 1)), "position",
+            )
+        )  # fmt: skip
+    if len(place) >= 8:
+        found.append(_patch(place))
+    return found
+
+
+def _patch(place: np.ndarray) -> Candidate:
+    """A round patch about each point and about places on a grid, that holds 2 to a third of the points; each set of points once"""
+    patches: dict[bytes, tuple[np.ndarray, float]] = {}
+    low, high = place.min(axis=0), place.max(axis=0)
+    grid = [np.linspace(a, b, GRID if b > a else 1).tolist() for a, b in zip(low, high, strict=True)]
+    centres = (
+        product(*grid) if min(len(axis) for axis in grid) == 1 else place
+    )  # a plan has a grid; in space, points do
+    for centre in np.concatenate([place, centres]):
+        far = np.sort(np.linalg.norm(place - centre, axis=1))
+        for count in range(2, max(3, len(place) // 3) + 1):
+            radius = 0.5 * float(far[count - 1] + far[min(count, len(far) - 1)])  # midway to the next point
+            inside = np.linalg.norm(place - centre, axis=1) <= radius
+            patches.setdefault(inside.tobytes(), (centre, radius))
+    all_patches = list(patches.values())
+    number = Free("patch", "-", lambda u: u)
+
+    def build(value: Sequence[float]) -> Suspect:
+        centre, radius = all_patches[round(value[1])]
+        return library.BuildUp((float(centre[0]), float(centre[1]), float(centre[2])), radius, value[0])
+
+    starts = product([-0.3], np.arange(len(all_patches), dtype=float).tolist())
+    return Candidate(
+        "BuildUp", (Free("ratio", "-", between(0.0, 1.0)), number), build, starts, "position",
+        penalty=float(np.log(len(all_patches))) - 1.0, frozen=1,
+    )  # fmt: skip
+
+
+def curves(past: History, depth: np.ndarray, knots: int = KNOTS) -> list[Candidate]:
+    """A free curve over each single quantity: depth, progress, each axis, and every column that varies.
+
+    `depth` are those at which there are readings. Impact angle has none: the effect of that name is such a curve.
+    """
+    found = [
+        _curve(
+            "depth",
+            "m",
+            0.5 * _knots(depth, knots)
+            + 0.5 * np.linspace(0.0, 0.95 * depth.max(), len(_knots(depth, knots))),
+        )
+    ]
+    ends = np.unique(past.end[past.end > past.begin])
+    if len(ends) >= KNOTS:
+        found.append(_curve("throughput", "progress", _knots(0.5 * (ends[1:] + ends[:-1]), knots)))
+    for name, value in past.feature.items():
+        if name == "position":
+            for axis in range(3):
+                if len(np.unique(value[..., axis])) >= KNOTS:
+                    found.append(_curve(name, "m", _knots(value[..., axis], knots), axis))
+        elif name != "impact_angle" and len(np.unique(value)) >= 3:
+            found.append(_curve(name, "SI", _knots(value, knots)))
+    return found
+
+
+def _curve(feature: str, unit: str, at: np.ndarray, axis: int = -1) -> Candidate:
+    label = feature if axis < 0 else "xyz"[axis]
+    places = tuple(float(a) for a in at)
+    return Candidate(
+        f"FactorCurve({label})", tuple(_ratio_at(f"{a:.4g}") for a in places[1:]),
+        lambda v: FactorCurve(feature, places, _walk(v), axis), np.zeros((1, len(places) - 1)),
+        "date" if label == "throughput" else label, penalty=CURVE_PENALTY,
+    )  # fmt: skip
+
+
+def _ratio_at(place: str) -> Free:
+    """A ratio of a curve; its coordinate is the step from the knot before"""
+    return Free(f"ratio_at_{place}", "-", lambda u: u)
+
+
+def log_steps(coordinate: Sequence[float] | np.ndarray) -> np.ndarray:
+    """Steps of the logarithm of a curve from knot to knot: small ones are normal, large ones less rare (hyperbolic sine)"""
+    width = CURVE_STEP * np.sqrt((KNOTS - 1) / len(coordinate))
+    return width * np.sinh(np.clip(coordinate, -5.0, 5.0))
+
+
+def _walk(coordinate: Sequence[float]) -> tuple[float, ...]:
+    """Ratios at the knots of a curve; the first is 1"""
+    return (1.0, *(float(r) for r in np.exp(np.clip(np.cumsum(log_steps(coordinate)), -13.0, 13.0))))
+
+
+def _knots(value: np.ndarray, most: int) -> np.ndarray:
+    """Places where a curve may bend: quantiles of what occurs"""
+    distinct = np.unique(value)
+    return (
+        distinct if len(distinct) <= most else np.unique(np.quantile(distinct, np.linspace(0.0, 1.0, most)))
+    )
+
+
+def _varies(value: np.ndarray) -> bool:
+    return float(np.ptp(value)) > 1e-9 * float(np.abs(value).max(initial=0.0))

@@ -1,0 +1,244 @@
+"""The service of each plate as a table of intervals, and the wear that a model lets grow along it.
+
+    d(depth)/d(progress) = k x exposure x product of factors + sum of additions.
+
+Factors that know the depth, g, and those that do not, s, part: the integral of d(depth)/g(depth) is k times that of exposure x s. So one
+table of the left side serves all plates at once, and no step of time is taken.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from wearfem.survey.survey import Survey
+from wearfem.wear.effect import FactorEffect, all_factors
+from wearfem.wear.effects import Corrosion, OreChange, OreChangeByTime, Overlay
+
+CELLS = 240  # of the table over depth: error of the depth below 1e-4 for factors that change twofold over it
+GAUSS_AT = 0.5 + 0.5 * np.array([-np.sqrt(0.6), 0.0, np.sqrt(0.6)])
+GAUSS_WEIGHT = np.array([5.0, 8.0, 5.0]) / 18.0
+STEPS = 4  # of the classical Runge-Kutta rule in an interval, where wear and additions go together
+FAINT = 1e-6  # [-] least factor over depth: where nothing wears, the integral of 1/g has no end
+
+
+@dataclass(frozen=True)
+class History:
+    """Intervals of service of l lives; m of each, those that are not used have no length.
+
+    Parameters
+    ----------
+    begin, end
+        (l, m) progress of each interval, by the tonnage book.
+    start
+        (l,) progress at which the plate was put in.
+    exposure
+        (l, m) by unit of coefficient and progress.
+    feature
+        (l, m) or (l, m, 3) by name.
+    calendar
+        (l, m) [s] of calendar time in each interval, or None where nobody wrote it down.
+    occasion
+        (l, m) index of the occasion that ends the interval.
+    row_life, row_interval
+        (n,) where each reading stands; interval -1 for a reading of the new plate.
+    """
+
+    begin: np.ndarray
+    end: np.ndarray
+    start: np.ndarray
+    exposure: np.ndarray
+    feature: Mapping[str, np.ndarray]
+    calendar: np.ndarray | None
+    occasion: np.ndarray
+    row_life: np.ndarray
+    row_interval: np.ndarray
+
+    def of_rows(self, at_end: np.ndarray) -> np.ndarray:
+        """What (l, m) says at the ends of intervals, for each reading (n,); 0 for a new plate."""
+        return np.where(self.row_interval < 0, 0.0, at_end[self.row_life, self.row_interval])
+
+
+@dataclass(frozen=True)
+class Model:
+    """A coefficient and effects; the wear of a plate is k x exposure x factors, and what is added."""
+
+    coefficient: float
+    effects: tuple[FactorEffect, ...] = ()
+    additions: tuple[Corrosion, ...] = ()
+
+
+def history(survey: Survey) -> History:
+    """The intervals of each life: they end where the point, or the survey at large, was read.
+
+    A covariate at a reading is taken as the mean since the reading before. Where a point was not read, it has the median of the others
+    at that occasion if they agree with one another, else its own next value.
+    """
+    lives, occasions = len(survey.life_point), len(survey.occasion_names)
+    common = np.array(
+        [np.median(survey.progress[survey.occasion == j]) if (survey.occasion == j).any() else np.nan for j in range(occasions)]
+    )  # fmt: skip
+    same = all(np.ptp(survey.progress[survey.occasion == j]) == 0.0 for j in set(survey.occasion.tolist()))
+    ends = []
+    for i in range(lives):
+        own = np.unique(survey.progress[survey.life == i])
+        between = (common > survey.life_start[i]) & (common < own.max(initial=0.0))
+        nodes = np.unique(np.concatenate([own, common[between]])) if same else own
+        ends.append(nodes[nodes > survey.life_start[i]])
+    width = max(1, *(len(nodes) for nodes in ends))
+    end = np.stack(
+        [np.concatenate([e, np.full(width - len(e), e[-1] if len(e) else s)]) for e, s in zip(ends, survey.life_start, strict=True)]
+    )  # fmt: skip
+    begin = np.concatenate([survey.life_start[:, None], end[:, :-1]], axis=1)
+    interval = np.full(survey.size, -1)
+    for row in np.flatnonzero(~survey.is_new):
+        interval[row] = np.searchsorted(ends[survey.life[row]], survey.progress[row])
+    fill = _Filling(survey, interval, (lives, width))
+    occasion = _occasion_of(survey, fill, end, common)
+    feature = {name: fill(value, occasion) for name, value in survey.feature.items() if name != "days"}
+    feature = {
+        name: np.squeeze(value, -1) if value.shape[-1] == 1 else value for name, value in feature.items()
+    }
+    exposure = np.squeeze(fill(survey.exposure, occasion), -1)
+    return History(
+        begin, end, survey.life_start, exposure, feature, _calendar(survey, begin, end), occasion,
+        survey.life, interval,
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _Filling:
+    """Values of readings put into intervals."""
+
+    survey: Survey
+    interval: np.ndarray
+    shape: tuple[int, int]
+
+    def __call__(self, value: np.ndarray, occasion: np.ndarray) -> np.ndarray:
+        """(l, m, c) of (n,) or (n, c), without holes"""
+        value = value.reshape(self.survey.size, -1)
+        cells = np.full((*self.shape, value.shape[1]), np.nan)
+        cells[self.survey.life, np.maximum(self.interval, 0)] = (
+            value  # a new plate's value, unless it is read later
+        )
+        later = self.interval >= 0
+        cells[self.survey.life[later], self.interval[later]] = value[later]
+        middle = np.nanmedian(value, axis=0)
+        for j in range(len(self.survey.occasion_names)):
+            here = value[(self.survey.occasion == j) & np.isfinite(value).all(axis=1)]
+            if len(here) and (np.ptp(here, axis=0) == 0.0).all():
+                hole = np.isnan(cells).any(axis=2) & (occasion == j)
+                cells[hole] = here[0]
+        for i in range(self.shape[0]):
+            good = np.flatnonzero(np.isfinite(cells[i]).all(axis=1))
+            if len(good):
+                following = np.searchsorted(good, np.arange(self.shape[1]))
+                cells[i] = cells[i, good[np.minimum(following, len(good) - 1)]]
+        return np.where(np.isnan(cells), middle, cells)
+
+
+def _occasion_of(survey: Survey, fill: _Filling, end: np.ndarray, common: np.ndarray) -> np.ndarray:
+    """(l, m) the occasion that ends each interval: that of the reading, or the nearest in progress"""
+    near = np.nanargmin(np.abs(end[..., None] - common), axis=-1)
+    read = fill.interval >= 0
+    near[survey.life[read], fill.interval[read]] = survey.occasion[read]
+    return near
+
+
+def _calendar(survey: Survey, begin: np.ndarray, end: np.ndarray) -> np.ndarray | None:
+    """[s] of calendar time in each interval, straight between readings; from `days`, or from service time itself"""
+    if survey.progress_unit in {"s", "min", "h", "d", "days"}:
+        factor = {"s": 1.0, "min": 60.0, "h": 3600.0}.get(survey.progress_unit, 86400.0)
+        return factor * (end - begin)
+    days = survey.feature.get("days")
+    if days is None or not np.isfinite(days).all():
+        return None
+    order = np.argsort(survey.progress, kind="stable")
+    at, first = np.unique(survey.progress[order], return_index=True)
+    when = days[order][first]
+    if at[0] > 0.0:
+        at, when = np.append(0.0, at), np.append(0.0, when)  # days are counted from when service began
+    when = np.maximum.accumulate(when)
+    return np.interp(end, at, when) - np.interp(begin, at, when)
+
+
+def depths(history: History, model: Model) -> np.ndarray:
+    """Depth (l, m) at the end of each interval, in the unit of coefficient x exposure x progress."""
+    slow = [effect for effect in model.effects if "depth" not in effect.needs]
+    quick = [effect for effect in model.effects if "depth" in effect.needs]
+    grown = model.coefficient * history.exposure * _mean_factor(history, slow) * (history.end - history.begin)
+    if not model.additions:
+        total = np.cumsum(grown, axis=1)
+        return _against_depth(total, quick) if quick else total
+    passed = history.calendar if history.calendar is not None else history.end - history.begin
+    added = passed * sum(addition.addition() for addition in model.additions)
+    return _together(grown, added, quick) if quick else np.cumsum(grown + added, axis=1)
+
+
+def breaks(effects: Sequence[FactorEffect]) -> list[float]:
+    """Progress at which a factor jumps"""
+    changes = [e.throughput for e in effects if isinstance(e, OreChange)]
+    changes += [e.service_time for e in effects if isinstance(e, OreChangeByTime)]
+    return sorted(at for change in changes for at in change)
+
+
+def _mean_factor(history: History, effects: Sequence[FactorEffect]) -> Any:
+    """(l, m) mean over each interval of the product of factors that do not know the depth"""
+    if not effects:
+        return 1.0
+    if not any({"throughput", "service_time"} & set(effect.needs) for effect in effects):
+        return all_factors(effects, history.feature)
+    edges = [history.begin, *(np.clip(at, history.begin, history.end) for at in breaks(effects)), history.end]
+    length = history.end - history.begin
+    mean: Any = 0.0
+    for left, right in zip(edges, edges[1:], strict=False):
+        for at, weight in zip(GAUSS_AT, GAUSS_WEIGHT, strict=True):
+            book = left + at * (right - left)
+            part = np.divide(right - left, length, out=np.zeros_like(length), where=length > 0.0)
+            mean = mean + weight * part * _product_at(history, effects, book)
+    return mean
+
+
+def _product_at(history: History, effects: Sequence[FactorEffect], book: np.ndarray) -> Any:
+    """(l, m) product of factors at a progress of the book; what runs in knows the progress of its own plate"""
+    product: Any = 1.0
+    for effect in effects:
+        dated = isinstance(effect, OreChange | OreChangeByTime) or "position" in effect.needs
+        at = book if dated else book - history.start[:, None]
+        product = product * all_factors([effect], {**history.feature, "throughput": at, "service_time": at})
+    return product
+
+
+def _against_depth(total: np.ndarray, effects: Sequence[FactorEffect]) -> np.ndarray:
+    """The depth at which the integral of 1/g has come to `total`"""
+    most = 2.0 * float(total.max(initial=0.0)) + 1e-300
+    edge = most * np.linspace(0.0, 1.0, CELLS + 1) ** 1.5  # finer near the new surface
+    edge = np.unique(
+        np.append(edge, [e.thickness for e in effects if isinstance(e, Overlay) and e.thickness < most])
+    )
+    factor = np.maximum(all_factors(effects, {"depth": 0.5 * (edge[1:] + edge[:-1])}), FAINT)
+    integral = np.append(0.0, np.cumsum(np.diff(edge) / factor))
+    beyond = np.maximum(total - integral[-1], 0.0) * factor[-1]
+    return np.interp(total, integral, edge) + beyond
+
+
+def _together(grown: np.ndarray, added: np.ndarray, effects: Sequence[FactorEffect]) -> np.ndarray:
+    """Depth where factors of the depth and additions act at once, by the classical Runge-Kutta rule"""
+    depth = np.zeros(len(grown))
+    ends = np.empty_like(grown)
+    for j in range(grown.shape[1]):
+        own, more = grown[:, j], added[:, j]
+
+        def rate(d: np.ndarray, own: np.ndarray = own, more: np.ndarray = more) -> np.ndarray:
+            return own * np.maximum(all_factors(effects, {"depth": d}), FAINT) + more
+
+        h = 1.0 / STEPS
+        for _ in range(STEPS):
+            first = rate(depth)
+            second = rate(depth + 0.5 * h * first)
+            third = rate(depth + 0.5 * h * second)
+            fourth = rate(depth + h * third)
+            depth = depth + h / 6.0 * (first + 2.0 * second + 2.0 * third + fourth)
+        ends[:, j] = depth
+    return ends

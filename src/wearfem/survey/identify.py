@@ -1,0 +1,345 @@
+"""Fit a model to a survey: wear integrated along each plate's life, nuisances integrated out, and how probable the model is.
+
+For a model the most probable parameters are found by nonlinear least squares on whitened readings (MINPACK), in turn with the standard
+deviations of the nuisances. Its evidence is Laplace's: the density at the best parameters times the volume of their posterior over that
+of their prior. So a parameter costs what the data had to fix, and a shape that is found by looking everywhere pays for the looking.
+
+**Source** MacKay, Neural Computation 4 (1992) 415-447, equation 2.6 (Occam factor).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from wearfem.errors import UserError
+from wearfem.survey.candidates import Candidate
+from wearfem.survey.history import History, Model, depths, history
+from wearfem.survey.nuisance import (
+    Disturbance,
+    Spread,
+    covariance,
+    disturbance,
+    fit_spread,
+    log_likelihood,
+    log_prior,
+    nuisances,
+)
+from wearfem.survey.survey import Survey
+from wearfem.wear.effects import Corrosion
+
+ROUNDS = 3  # of parameters and standard deviations in turn
+KEPT = 2  # starts that are followed to their end
+SEARCHED = 4  # starts that are searched; more are screened first
+ENOUGH = 6  # lines that tell the scatter of readings
+COEFFICIENT_PRIOR = 1.5  # standard deviation of the logarithm of the coefficient about its first guess
+
+
+@dataclass(frozen=True)
+class Readings:
+    """A survey made ready: wear (n,) [SI] that each reading tells, its history, and the size of things.
+
+    Parameters
+    ----------
+    survey, past
+        The survey without doubted readings, and the intervals of service.
+    worn
+        (n,) wear read: a depth as it is, a thickness taken off the new thickness.
+    gauge
+        Standard error of a reading, as given; None where it is not.
+    reference
+        [SI] what counts as a small error: the gauge's, given or guessed from the scatter about smooth lines.
+    reference_known
+        Whether that is given, or guessed from enough lines.
+    thickness_free
+        Whether the new thickness is known from readings only.
+    coefficient
+        First guess of the coefficient.
+    """
+
+    survey: Survey
+    past: History
+    worn: np.ndarray
+    gauge: float | None
+    reference: float
+    reference_known: bool
+    thickness_free: bool
+    coefficient: float
+
+    @property
+    def deepest(self) -> float:
+        """Largest wear read"""
+        return float(self.worn.max())
+
+    @property
+    def depth_knots(self) -> np.ndarray:
+        """Depths at which wear was read, for a curve over depth to bend where there are readings"""
+        return np.append(0.0, self.worn[self.worn > 0.0])
+
+    def only(self, keep: np.ndarray) -> "Readings":
+        """The readings (n,) of `keep`; history and sizes stay those of the whole."""
+        past = replace(
+            self.past, row_life=self.past.row_life[keep], row_interval=self.past.row_interval[keep]
+        )
+        return replace(self, survey=self.survey.only(keep), past=past, worn=self.worn[keep])
+
+
+def readings(survey: Survey) -> Readings:
+    """Wear from readings, with the first guesses that a search needs."""
+    past = history(survey)
+    worn, free = _worn(survey)
+    if not worn.max(initial=0.0) > 0.0:
+        raise UserError(
+            f"{survey.source} shows no wear: no reading is beyond that of a new plate; check {survey.measured_name}"
+        )
+    gauge = float(np.nanmedian(survey.sigma)) if np.isfinite(survey.sigma).any() else None
+    steady = past.of_rows(depths(past, Model(1.0)))
+    used = steady > 0.0
+    guess = float(np.median(worn[used]) / np.median(steady[used])) if used.any() else 1.0
+    coefficient = guess if guess > 0.0 else float(np.abs(worn).max() / steady.max())
+    rough, enough = _roughness(survey, worn)
+    return Readings(survey, past, worn, gauge, gauge or rough, gauge is not None or enough, free, coefficient)
+
+
+def _worn(survey: Survey) -> tuple[np.ndarray, bool]:
+    """Wear (n,) that each reading tells, and whether the new thickness comes from readings"""
+    if survey.sign > 0.0:
+        return survey.reading, False
+    if np.isfinite(survey.initial).all():
+        return survey.initial - survey.reading, False
+    new = np.full(len(survey.life_point), np.nan)
+    for life in range(len(new)):
+        fresh = (survey.life == life) & survey.is_new
+        if fresh.any():
+            new[life] = survey.reading[fresh].mean()
+    if np.isnan(new).any():
+        new[np.isnan(new)] = np.nanmedian(new) if np.isfinite(new).any() else survey.reading.max()
+    return new[survey.life] - survey.reading, True
+
+
+def _roughness(survey: Survey, worn: np.ndarray) -> tuple[float, bool]:
+    """A guess of the gauge's error, scatter about lines through neighbours in progress; and whether there are enough of them"""
+    apart = []
+    for life in np.unique(survey.life):
+        rows = np.flatnonzero(survey.life == life)
+        rows = rows[np.argsort(survey.progress[rows], kind="stable")]
+        t, d = survey.progress[rows], worn[rows]
+        span = np.where(t[2:] > t[:-2], t[2:] - t[:-2], 1.0)
+        part = (t[1:-1] - t[:-2]) / span
+        line = (1.0 - part) * d[:-2] + part * d[2:]
+        apart.extend((d[1:-1] - line) / np.sqrt(1.0 + part**2 + (1.0 - part) ** 2))
+    enough = len(apart) >= ENOUGH
+    size = 1.4826 * float(np.median(np.abs(apart))) if enough else 0.0
+    return max(size, (1e-3 if enough else 1e-2) * float(np.abs(worn).max())), enough
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A model fitted to readings.
+
+    Parameters
+    ----------
+    suspects
+        The candidates in it; none for the coefficient alone.
+    coordinate
+        (1 + d,) logarithm of the coefficient over its first guess, in prior widths, then those of the candidates.
+    deviation
+        (1 + d, 1 + d) posterior covariance of the coordinates.
+    spread
+        Standard deviations of the nuisances.
+    log_evidence
+        [nats] with the penalties of the candidates taken off.
+    readings
+        What it was fitted to.
+    depth
+        (l, m) wear at the ends of intervals.
+    """
+
+    suspects: tuple[Candidate, ...]
+    coordinate: np.ndarray
+    deviation: np.ndarray
+    spread: Spread
+    log_evidence: float
+    readings: Readings
+    depth: np.ndarray
+
+    @property
+    def name(self) -> str:
+        """Names of the suspects, joined by a plus"""
+        return " + ".join(suspect.name for suspect in self.suspects) or "coefficient alone"
+
+    @property
+    def model(self) -> Model:
+        """The model at the most probable parameters"""
+        return model_at(self.readings, self.suspects, self.coordinate)
+
+    @property
+    def disturbance(self) -> Disturbance:
+        """Columns of the nuisances"""
+        r = self.readings
+        return disturbance(r.survey, r.past, self.depth, r.reference, r.thickness_free)
+
+    def predict(self, asked: Readings) -> np.ndarray:
+        """Wear (n,) that other readings of the survey should show: the model, and nuisances as far as the fitted ones tell them."""
+        residual = self.readings.worn - self.readings.past.of_rows(self.depth)
+        known = self.disturbance
+        value, _ = nuisances(known, self.spread, residual)
+        there = disturbance(asked.survey, asked.past, self.depth, asked.reference, asked.thickness_free)
+        told = {(int(g), int(k)): v for g, k, v in zip(known.group, known.label, value, strict=True)}
+        new = np.array(
+            [told.get((int(g), int(k)), 0.0) for g, k in zip(there.group, there.label, strict=True)]
+        )
+        return asked.past.of_rows(self.depth) + there.column @ new
+
+
+def model_at(data: Readings, suspects: Sequence[Candidate], coordinate: np.ndarray) -> Model:
+    """The model at a coordinate."""
+    k = data.coefficient * float(np.exp(COEFFICIENT_PRIOR * coordinate[0]))
+    built, first = [], 1
+    for suspect in suspects:
+        built.append(suspect.effect(coordinate[first : first + len(suspect.free)]))
+        first += len(suspect.free)
+    factors = tuple(effect for effect in built if not isinstance(effect, Corrosion))
+    return Model(k, factors, tuple(effect for effect in built if isinstance(effect, Corrosion)))
+
+
+def small_spread(data: Readings) -> Spread:
+    """Nuisances as a careful campaign has them; where a search begins."""
+    return Spread(data.reference, 0.5 * data.reference, 0.5 * data.reference, 0.02, 0.01, 0.01)
+
+
+def fit(data: Readings, suspects: Sequence[Candidate] = (), start: Fit | None = None) -> Fit:
+    """The most probable parameters of a model, its nuisances and its evidence.
+
+    Parameters
+    ----------
+    data
+        The readings.
+    suspects
+        Effects in the model, beside the coefficient.
+    start
+        A fit of the first of these suspects, to begin from.
+    """
+    suspects = tuple(suspects)
+    problem = _Problem(data, suspects)
+    spread = start.spread if start is not None and not suspects else small_spread(data)
+    root = problem.root(problem.first(start), spread)
+    known = 0 if start is None else len(start.coordinate)
+    begins = problem.screened(problem.starts(start), root)
+    tried = sorted(
+        (problem.search(begin, root, most=12 + 4 * known) for begin in begins), key=lambda found: found[1]
+    )
+    return max(
+        (_settle(problem, begin, spread) for begin, _ in tried[:KEPT]), key=lambda found: found.log_evidence
+    )
+
+
+def _settle(problem: "_Problem", coordinate: np.ndarray, spread: Spread) -> Fit:
+    """Parameters and standard deviations in turn, until they agree; then the evidence"""
+    data = problem.data
+    for _ in range(ROUNDS):
+        before = spread
+        depth = problem.depth(coordinate)
+        found = disturbance(data.survey, data.past, depth, data.reference, data.thickness_free)
+        spread = fit_spread(found, data.worn - data.past.of_rows(depth), spread, data.gauge, data.reference)
+        coordinate, _ = problem.search(coordinate, problem.root(coordinate, spread), most=60)
+        if np.allclose(
+            [*before.__dict__.values()], [*spread.__dict__.values()], rtol=0.03, atol=1e-2 * data.reference
+        ):
+            break
+    depth = problem.depth(coordinate)
+    found = disturbance(data.survey, data.past, depth, data.reference, data.thickness_free)
+    residual = data.worn - data.past.of_rows(depth)
+    jacobian = problem.jacobian(coordinate, problem.root(coordinate, spread))
+    moving = problem.moving
+    precision = jacobian.T @ jacobian + np.eye(len(moving))
+    deviation = np.zeros((len(coordinate), len(coordinate)))
+    deviation[np.ix_(moving, moving)] = np.linalg.inv(precision)
+    evidence = (
+        log_likelihood(found, spread, residual)
+        + log_prior(spread, data.gauge, data.reference)
+        - 0.5 * float(coordinate[moving] @ coordinate[moving])
+        - 0.5 * float(np.linalg.slogdet(precision)[1])
+        - sum(suspect.penalty for suspect in problem.suspects)
+    )
+    return Fit(problem.suspects, coordinate, deviation, spread, evidence, data, depth)
+
+
+class _Problem:
+    """Least squares of one model on one set of readings."""
+
+    def __init__(self, data: Readings, suspects: tuple[Candidate, ...]) -> None:
+        self.data, self.suspects = data, suspects
+        still: list[int] = []
+        at = 1
+        for suspect in suspects:
+            at += len(suspect.free)
+            still += range(at - suspect.frozen, at)
+        self.size = at
+        self.moving = np.array([i for i in range(at) if i not in still])
+
+    def depth(self, coordinate: np.ndarray) -> np.ndarray:
+        return depths(self.data.past, model_at(self.data, self.suspects, coordinate))
+
+    def first(self, start: Fit | None) -> np.ndarray:
+        known = np.zeros(1) if start is None else start.coordinate
+        rest = [s.starts[0] for s in self.suspects[0 if start is None else len(start.suspects) :]]
+        return np.concatenate([known, *rest])
+
+    def starts(self, start: Fit | None) -> list[np.ndarray]:
+        """Where searches begin: what is known, with each start of what is new"""
+        begins = [np.zeros(1) if start is None else start.coordinate]
+        for suspect in self.suspects[0 if start is None else len(start.suspects) :]:
+            begins = [np.concatenate([b, s]) for b in begins for s in suspect.starts]
+        return begins
+
+    def screened(self, begins: list[np.ndarray], root: np.ndarray) -> list[np.ndarray]:
+        """The most promising of many starts: those whose effect, taken as linear, would remove most of what is left"""
+        if len(begins) <= SEARCHED:
+            return begins
+        plain = _Problem(self.data, ())
+        own = plain.residual(begins[0][:1], root)
+        tangent = plain.residual(begins[0][:1] + 1e-3, root) - own
+        tangent /= np.linalg.norm(tangent)
+        own = own - tangent * (tangent @ own)
+        change = np.stack([self.residual(begin, root) for begin in begins], axis=1) - own[:, None]
+        change -= tangent[:, None] * (tangent @ change)
+        gain = (own @ change) ** 2 / np.maximum((change**2).sum(axis=0), 1e-300)
+        return [begins[i] for i in np.argsort(-gain, kind="stable")[:SEARCHED]]
+
+    def root(self, coordinate: np.ndarray, spread: Spread) -> np.ndarray:
+        data = self.data
+        found = disturbance(
+            data.survey, data.past, self.depth(coordinate), data.reference, data.thickness_free
+        )
+        return covariance(found, spread).root()
+
+    def residual(self, coordinate: np.ndarray, root: np.ndarray) -> np.ndarray:
+        return root @ (self.data.worn - self.data.past.of_rows(self.depth(coordinate)))
+
+    def search(self, begin: np.ndarray, root: np.ndarray, most: int) -> tuple[np.ndarray, float]:
+        """The best coordinate from a start, and half the sum of squares there"""
+        moving = self.moving
+
+        def leftover(part: np.ndarray) -> np.ndarray:
+            full = begin.copy()
+            full[moving] = part
+            return np.concatenate([self.residual(full, root), part])
+
+        found = least_squares(
+            leftover, begin[moving], method="lm", diff_step=1e-4, max_nfev=most * (len(moving) + 1), xtol=1e-5, ftol=1e-6
+        )  # fmt: skip
+        best = begin.copy()
+        best[moving] = found.x
+        return best, float(found.cost)
+
+    def jacobian(self, coordinate: np.ndarray, root: np.ndarray) -> np.ndarray:
+        columns = []
+        for i in self.moving:
+            step = np.zeros(len(coordinate))
+            step[i] = 1e-3
+            columns.append(
+                (self.residual(coordinate + step, root) - self.residual(coordinate - step, root)) / 2e-3
+            )
+        return np.stack(columns, axis=1)

@@ -1,0 +1,217 @@
+"""A calibration and a diagnosis in plain words, and as the values that go into JSON."""
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from wearfem.errors import in_words
+from wearfem.survey.calibrate import Calibration
+from wearfem.survey.diagnose import NOISE_LEVEL, PLACE, Diagnosis, Effect, Parameter, Score
+from wearfem.survey.doubt import Doubt
+from wearfem.survey.residual import NoiseTest
+from wearfem.survey.survey import Survey
+
+LONGEST = 100  # characters of a line
+
+SAYS = {
+    "HardnessGradient": "hardness falls through the thickness",
+    "Overlay": "a harder layer lies on a softer plate",
+    "RunningIn": "a new surface wears faster at first",
+    "RunningInByThroughput": "wear is faster at first, by service and not by depth",
+    "WorkHardening": "impacts harden the surface",
+    "OreChange": "another ore from a date on",
+    "OreHardness": "harder ore wears faster",
+    "Temperature": "wear depends on temperature",
+    "Corrosion": "the plate corrodes with calendar time",
+    "PressureExponent": "wear is not in proportion to pressure",
+    "SpeedExponent": "wear does not follow the speed as the law says",
+    "ImpactAngleCurve": "wear depends on the angle of impact in another way",
+    "SlipShare": "grains that roll wear differently from grains that slide",
+    "BuildUp": "material covers a patch",
+    "DeadZone": "slow material covers the liner",
+    "LateralBias": "the feed comes in on one side",
+    "AngularityLoss": "grains lose their edges on the way",
+}
+
+
+def diagnosis_lines(found: Diagnosis) -> list[str]:
+    """The diagnosis as lines for a screen; labels left, words right."""
+    unit = found.survey.measured_unit
+    rows: list[tuple[str, str]] = [
+        ("read", _read(found.survey)),
+        (
+            "model as it is",
+            f"{_error(found.baseline, unit)} (gauge {found.noise_floor:.2g} {unit}; {_line(found, unit)})",
+        ),
+        (_label(found.tests_before, bool(found.effects)), _noise(found.tests_before, bool(found.effects))),
+        *(("doubted", _doubt(doubt)) for doubt in found.doubts),
+        *(("nuisances", told) for told in _nuisances(found)),
+    ]
+    for effect in found.effects:
+        rows.append(
+            ("missing effect", f"{_effect(effect, found.survey)}, probability {effect.probability:.2f}")
+        )
+        others = (
+            in_words(effect.indistinguishable_from, "or")
+            if effect.indistinguishable_from
+            else "nothing at these readings"
+        )
+        rows.append(("", f"cannot be told from: {others}"))
+    if found.effects:
+        rows.append(("added", _error(found.improved, unit)))
+        rows.append(("what is left", _noise(found.tests_after, False)))
+        without = found.heldout.named_without_them
+        if without is not None and set(without) != {effect.name for effect in found.effects}:
+            rows.append(
+                ("", f"without the held-out readings the choice would have been: {in_words(list(without))}")
+            )
+    rows.append(("verdict", VERDICT[found.verdict]))
+    if found.effects and found.effects[0].suggested_measurement:
+        rows.append(("measure next", found.effects[0].suggested_measurement))
+    rows += [("note", note) for note in found.notes]
+    return list(_wrapped(rows))
+
+
+VERDICT = {
+    "adequate": "adequate: the model says what these readings say, within their noise",
+    "effect_found": "effect found",
+    "cannot_tell": "cannot tell: something is missing, and more than one explanation fits these readings",
+    "unexplained": "unexplained: something is missing that no effect of the library describes",
+}
+
+
+def _read(survey: Survey) -> str:
+    return (
+        f"{survey.size} readings of {len(survey.life_point)} plates at {len(survey.point_names)} points, "
+        f"{len(survey.occasion_names)} occasions"
+    )
+
+
+def _error(score: Score, unit: str) -> str:
+    if score.heldout_rmse is None:
+        return (
+            f"error {score.train_rmse:.3g} {unit} on the readings it was fitted to; too few to hold any out"
+        )
+    return f"error on readings never fitted {score.heldout_rmse:.3g} {unit}"
+
+
+def _line(found: Diagnosis, unit: str) -> str:
+    line = found.straight_line.heldout_rmse
+    return "no straight line to compare" if line is None else f"straight line per point {line:.3g} {unit}"
+
+
+def _label(tests: Sequence[NoiseTest], named: bool) -> str:
+    return "not noise" if named or tests[0].p < NOISE_LEVEL else "noise"
+
+
+def _noise(tests: Sequence[NoiseTest], named: bool) -> str:
+    first = tests[0]
+    if first.p >= NOISE_LEVEL and named:
+        return (
+            f"p {first.p:.2g} against {first.quantity} in general; an effect of a known shape stands out more"
+        )
+    if first.p >= NOISE_LEVEL:
+        return f"what is left is noise as far as can be seen (least p {first.p:.2g}, with {first.quantity})"
+    strong = [t for t in tests if t.p < NOISE_LEVEL]
+    size = f"p < {max(first.p, 1e-99):.0e}" if first.p > 0.0 else "p < 1e-99"
+    return f"{size}; what is left depends most on {in_words([t.quantity for t in strong[:3]])}"
+
+
+def _doubt(doubt: Doubt) -> str:
+    return f"point {doubt.point}, occasion {doubt.occasion}: {doubt.why}; left out"
+
+
+def _nuisances(found: Diagnosis) -> list[str]:
+    told = []
+    unit = found.survey.measured_unit
+    zero: Any = found.nuisance["zero_error"]
+    for occasion, error in zero.items():
+        low, high = error["interval"]
+        if abs(error["value"]) > 2.0 * found.noise_floor / 3.0 and (low > 0.0 or high < 0.0):
+            side = "high" if error["value"] > 0.0 else "low"
+            told.append(
+                f"occasion {occasion} reads {abs(error['value']):.2g} {unit} {side} everywhere (zero error): corrected"
+            )
+    scatter: Any = found.nuisance["place_to_place_scatter"]
+    if scatter > 0.01:
+        told.append(f"places that should wear alike differ by {100 * scatter:.2g} %")
+    return told
+
+
+def _effect(effect: Effect, survey: Survey) -> str:
+    says = (
+        SAYS.get(effect.name)
+        or f"a factor that follows {effect.quantity}, as a curve (tabulated, no formula)"
+    )
+    shown = [_parameter(n, p, survey) for n, p in effect.parameters.items() if p.interval or n in PLACE]
+    return f"{says} [{effect.name}]: {', '.join(shown)}"
+
+
+def _parameter(name: str, parameter: Parameter, survey: Survey) -> str:
+    unit = parameter.unit.replace("progress", survey.progress_unit or survey.progress_name)
+    factor, unit = (1e3, "mm") if unit == "m" and name not in PLACE else (1.0, unit)
+    factor, unit = (1e-3, "1/mm") if unit == "1/m" and name == "loss" else (factor, unit)
+    value = f"{name} {factor * parameter.value:.3g}"
+    if parameter.interval:
+        value += f" ({factor * parameter.interval[0]:.3g} to {factor * parameter.interval[1]:.3g})"
+    return value if unit in {"-", ""} else f"{value} {unit}"
+
+
+def _wrapped(rows: Iterable[tuple[str, str]]) -> Iterable[str]:
+    from textwrap import wrap
+
+    for label, words in rows:
+        first, *rest = wrap(words, LONGEST - 18) or [""]
+        yield f"{label:<16}  {first}"
+        yield from (f"{'':<16}  {line}" for line in rest)
+
+
+def diagnosis_values(found: Diagnosis) -> dict[str, Any]:
+    """The diagnosis as `diagnosis.json` has it."""
+    return {
+        "verdict": found.verdict,
+        "baseline": found.baseline,
+        "straight_line": found.straight_line,
+        "improved": found.improved,
+        "noise_floor": found.noise_floor,
+        "effects": [
+            {
+                "name": effect.name.partition("(")[0],
+                "parameters": effect.parameters,
+                "probability": effect.probability,
+                "indistinguishable_from": effect.indistinguishable_from,
+                "suggested_measurement": effect.suggested_measurement,
+            }
+            for effect in found.effects
+        ],
+        "nuisance": {**found.nuisance, "doubted": found.doubts},
+        "heldout": found.heldout,
+    }
+
+
+def calibration_lines(found: Calibration, survey: Survey) -> list[str]:
+    """A calibration as lines for a screen."""
+    low, high = found.interval
+    rows = [
+        ("read", _read(survey)),
+        ("coefficient", f"{found.coefficient:.4g} ({low:.4g} to {high:.4g}, 90 %) {found.unit}"),
+        (
+            "error",
+            f"{found.rmse:.3g} {survey.measured_unit} RMSE, gauge {found.gauge:.2g} {survey.measured_unit}",
+        ),
+        *(("doubted", _doubt(doubt)) for doubt in found.doubts),
+        (_label(found.tests, False), _noise(found.tests, False)),
+    ]
+    if not survey.exposure_known:
+        rows.append(("note", "no exposure was given: every place is taken to be exposed alike"))
+    return list(_wrapped(rows))
+
+
+def calibration_values(found: Calibration) -> dict[str, Any]:
+    """A calibration as JSON has it."""
+    return {
+        "coefficient": {"value": found.coefficient, "interval": found.interval, "unit": found.unit},
+        "rmse": found.rmse,
+        "gauge": found.gauge,
+        "doubted": found.doubts,
+        "noise_tests": found.tests,
+    }
