@@ -103,8 +103,8 @@ def offset(
             break
         wanted = w + np.divide(missing, corner_area, out=np.zeros(count), where=used)
         stuck = np.minimum(wanted, 0.0) * corner_area
-        asked = asked - stuck + spread.T @ stuck
         w = np.maximum(wanted, 0.0)
+        asked = asked - stuck + _to_givers(spread, w).T @ stuck
     if not abs(total - asked_total) <= 1e-10 * asked_total:
         raise UserError(
             f"The worn face cannot lose the {asked_total:.4g} m3 asked for (its nodes would sweep {total:.4g} m3): it has a fin thinner "
@@ -220,6 +220,14 @@ def _nodewise(corners: Corners, area: np.ndarray) -> csr_array:
     total = np.maximum(np.bincount(corners.node[worn], area[worn], shape[1]), 1e-300)
     part = csr_array((area[worn] / total[corners.node[worn]], (worn, corners.node[worn])), shape=shape)
     return csr_array(part @ one.T)
+
+
+def _to_givers(spread: csr_array, w: np.ndarray) -> csr_array:
+    """(c, c) `spread`, weighted by the depth that the neighbours can give; as it is where none has any. Rows sum to 1."""
+    able = csr_array(spread * w[None, :])
+    total = able.sum(axis=1)
+    scale = np.divide(1.0, total, out=np.zeros(len(total)), where=total > 0.0)
+    return csr_array(diags_array(scale) @ able + diags_array((total <= 0.0).astype(float)) @ spread)
 
 
 def _neighbours(corners: Corners, matrix: csr_array) -> csr_array:
