@@ -26,7 +26,7 @@ finally:
     done = subprocess.run(
         [sys.executable, "-c", script, "--help"], capture_output=True, text=True, check=True
     )
-    assert {"run", "check", "verify", "bench"} <= set(done.stdout.split())
+    assert {"run", "check", "verify", "bench", "study"} <= set(done.stdout.split())
     assert set(HEAVY).isdisjoint(json.loads(done.stderr.splitlines()[-1]))
 
 
