@@ -37,7 +37,7 @@ class Row:
     run: str  # name of its folder below `runs`
     settings: Mapping[str, Any]  # all keywords [SI]
     status: str  # `done` or `failed`
-    seconds: float  # [s] of wall time
+    seconds: float  # [s] of wall time, of a resumed run since it was last resumed
     figures: tuple[Figure, ...] = ()
     problem: str = ""  # why it failed
 
@@ -271,12 +271,13 @@ def _draw(axes: Any, rows: Sequence[Row], name: str, others: Sequence[str], labe
         in_order = sorted(line, key=lambda row: _rank(row.settings[name]))
         x = [row.settings[name] for row in in_order]
         numbers = all(isinstance(value, int | float) and not isinstance(value, bool) for value in x)
+        unit = " [SI]" if numbers and any(isinstance(value, float) for value in x) else ""
         y = np.array([row.figure(figure) for row in in_order])
         draw_lines(
             axes,
             np.array(x if numbers else [str(value) for value in x]),
             {words: y},
-            f"{name} [SI]" if numbers else name,
+            f"{name}{unit}",
             label,
             style,
         )

@@ -68,12 +68,8 @@ def _even() -> Iterator[Claim]:
     ranges = {"a": Range(2.0, 6.0), "b": Range(-1.0, 1.0), "c": Range(0.0, 1e-3)}
     for name, spread, count in (("Latin hypercube", latin, 20), ("Sobol sequence", sobol, 32)):
         rows = spread(ranges, count, seed=3)
-        unit = np.array(
-            [
-                [(float(row[key]) - one.low) / (one.high - one.low) for key, one in ranges.items()]
-                for row in rows
-            ]
-        )
+        low, high = (np.array([getattr(one, end) for one in ranges.values()]) for end in ("low", "high"))
+        unit = (np.array([tuple(row.values()) for row in rows], dtype=float) - low) / (high - low)
         met = min(len(np.unique((column * count).astype(int))) for column in unit.T)
         yield Claim(
             f"parts of each range met by {count} points, {name}", "one point in each part, in every direction", float(count),
