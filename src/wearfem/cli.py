@@ -70,6 +70,82 @@ def check(case: Path, settings: tuple[str, ...], json_file: Path | None) -> None
 
 
 @wearfem.command()
+@case_argument
+@click.argument("values", nargs=-1, required=True, metavar="KEYWORD=VALUES...")
+@click.option(
+    "--grid", "way", flag_value="grid", default="grid", help="Every combination of the values (the default)."
+)
+@click.option(
+    "--list", "way", flag_value="list", help="The first values together, then the second, and so on."
+)
+@click.option("--sobol", type=int, metavar="N", help="N points of a Sobol sequence; N is a power of 2.")
+@click.option("--latin", type=int, metavar="N", help="N points of a Latin hypercube.")
+@click.option("--seed", type=int, default=0, show_default=True, help="Of the points of --sobol and --latin.")
+@settings_option
+@click.option(
+    "--size",
+    "sizes",
+    multiple=True,
+    metavar="K",
+    help="A keyword that is a mesh size or the like: tell order and converged answer.",
+)
+@click.option(
+    "--out",
+    type=Path,
+    metavar="DIR",
+    help="The study folder, new or to go on with; runs/<case>-study if not given.",
+)
+@click.option(
+    "--workers", type=int, metavar="N", help="Runs at a time; as many as there are cores if not given."
+)
+@click.option(
+    "--scheduler", metavar="ADDRESS", help="Run on the workers of a Dask scheduler, like tcp://10.0.0.1:8786."
+)
+@click.option("--retry", is_flag=True, help="Run again what has failed.")
+@json_option
+@click.option("--quiet", is_flag=True, help="Show no progress.")
+def study(
+    case: Path,
+    values: tuple[str, ...],
+    way: str,
+    sobol: int | None,
+    latin: int | None,
+    seed: int,
+    settings: tuple[str, ...],
+    sizes: tuple[str, ...],
+    out: Path | None,
+    workers: int | None,
+    scheduler: str | None,
+    retry: bool,
+    json_file: Path | None,
+    quiet: bool,
+) -> int:
+    """Run a case over values of its keywords: "mesh=8,6,4*mm" "smoothing=0,10,20*mm", or ranges "mesh=4..8*mm" for points.
+
+    What is done is not run again. Exit code 1 if a run failed.
+    """
+    from contextlib import nullcontext
+
+    from wearfem.settings import parse_settings
+    from wearfem.study import dask_executor, planned, study
+
+    plan = planned(case, values, parse_settings(settings), way == "list", sobol, latin, seed)
+    with dask_executor(scheduler) if scheduler else nullcontext() as executor:
+        rows = study(
+            case,
+            plan,
+            out,
+            executor=executor,
+            workers=workers,
+            sizes=sizes,
+            retry=retry,
+            json_file=json_file,
+            quiet=quiet,
+        )
+    return int(any(row.status == "failed" for row in rows))
+
+
+@wearfem.command()
 @click.argument("names", nargs=-1)
 @json_option
 def verify(names: tuple[str, ...], json_file: Path | None) -> int:

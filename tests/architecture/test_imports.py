@@ -13,17 +13,18 @@ LAYERS = (
     {"verify", "bench", "check", "measured"},
     {"proofs"},
     {"benchmarks"},
-    {"report", "report_particles", "study", "verification"},
+    {"report", "report_particles", "study", "study_results", "verification"},
     {"run"},
     {"pictures", "record_mesh"},
     {"render"},
     {"life", "history", "record", "cycle", "formula", "values", "progress"},
     {"case"},
+    {"plan"},
     {"settings"},
     {"dem", "liner", "wear", "survey"},
     {"surface_file"},
     {"surface", "loads", "material", "slope"},
-    {"vector", "units", "jit", "errors", "proof", "edges"},
+    {"vector", "units", "jit", "errors", "proof", "edges", "convergence"},
 )
 SIBLINGS = {"dem", "liner", "wear", "survey"}  # never import one another ...
 SIBLING_ARROWS = {("survey", "wear")}  # ... except here
@@ -37,9 +38,10 @@ ONLY_IN = {
     "matplotlib": ("report.py", "report_particles.py", "pictures.py", "render.py"),
     "pyvista": ("report.py", "render.py"),
     "click": ("cli.py",),
+    "distributed": ("study.py",),
     "rich": ("progress.py", "report.py", "run.py", "check.py", "verify.py", "bench.py"),
 }
-ONLY_INSIDE_FUNCTIONS = {"matplotlib", "pyvista", "gmsh"}
+ONLY_INSIDE_FUNCTIONS = {"matplotlib", "pyvista", "gmsh", "distributed"}
 FORBIDDEN_NAMES = {"utils.py", "util.py", "helpers.py", "base.py", "common.py", "misc.py"}
 LONGEST_FILE = 500  # lines
 

@@ -26,7 +26,7 @@ finally:
     done = subprocess.run(
         [sys.executable, "-c", script, "--help"], capture_output=True, text=True, check=True
     )
-    assert {"run", "check", "verify", "bench"} <= set(done.stdout.split())
+    assert {"run", "check", "verify", "bench", "study"} <= set(done.stdout.split())
     assert set(HEAVY).isdisjoint(json.loads(done.stderr.splitlines()[-1]))
 
 
@@ -71,6 +71,31 @@ def test_run_passes_on_what_it_was_given(wearfem, stand_in):
     )
     assert result.code == 0
     assert calls == [(Path("cases/x"), {"force": 3000.0, "seed": 2}, Path("o"), Path("f"), True)]
+
+
+@pytest.mark.parametrize(("status", "code"), [("done", 0), ("failed", 1)])
+def test_study_passes_on_what_it_was_given(wearfem, stand_in, status, code):
+    calls = []
+
+    def study(case, plan, out, **options):
+        calls.append((case, plan, out, options))
+        return (SimpleNamespace(status=status),)
+
+    stand_in("study", "study", study)
+    sys.modules["wearfem.study"].planned = lambda *arguments: arguments
+    sys.modules["wearfem.study"].dask_executor = raising(AssertionError("no scheduler was given"))
+    words = "study cases/x --grid a=1,2 b=3,4*mm --set seed=2 --size a --size b --out o --workers 2 --retry --json f --quiet"
+    assert wearfem(*words.split()).code == code
+    options = {
+        "executor": None,
+        "workers": 2,
+        "sizes": ("a", "b"),
+        "retry": True,
+        "json_file": Path("f"),
+        "quiet": True,
+    }
+    plan = (Path("cases/x"), ("a=1,2", "b=3,4*mm"), {"seed": 2}, False, None, None, 0)
+    assert calls == [(Path("cases/x"), plan, Path("o"), options)]
 
 
 def test_a_users_mistake_is_one_sentence_and_code_2(wearfem, stand_in):
