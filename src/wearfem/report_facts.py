@@ -1,0 +1,190 @@
+"""What a maintenance planner asks of a life: when it ends and how surely, how much is left where, and what to beware of."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from hashlib import sha256
+from typing import Any
+
+import numpy as np
+
+from wearfem.case import LifeCase
+from wearfem.history import History
+from wearfem.life import words
+from wearfem.liner.mesh import WEAR, LinerMesh, find_facets
+from wearfem.wear.jump import Goal, Life, end_of_life
+
+CONFIDENCE = 0.9  # of the intervals, where the case that would name another is gone
+
+
+@dataclass(frozen=True)
+class End:
+    """An end of life with its interval. Beyond the last sample the last rate is taken to stay."""
+
+    time: float  # [s] of service
+    half: float  # [s] half the interval
+    throughput: float  # [kg] at `time`; not a number where the case counts none
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """[s] from and to; never before the first second"""
+        return max(self.time - self.half, 0.0), self.time + self.half
+
+
+@dataclass(frozen=True)
+class Zone:
+    """A part of the worn face."""
+
+    name: str
+    facet: np.ndarray  # (k,) of `mesh.wear`
+    area: float  # [m2]
+    deepest: float  # [m] worn off since the liner was new
+    volume: float  # [m3] depth times present area, summed
+    least_thickness: float  # [m]; infinite where none is measured
+    rate: float  # [m/s] largest of the last sample
+    end: End | None  # None where nothing is judged or nothing wears
+
+
+def end_of(life: Life, history: History, number: int, confidence: float) -> End:
+    """The end of life as it was told after a sample.
+
+        half = |bias| + z hypot(noise, left s / r)
+
+    with z deviations for the confidence, the time `left` to run and the standard error s of the present rate r of the facet that
+    fails first: the interval of the line that the run prints after each cycle.
+
+    Parameters
+    ----------
+    life
+        As told.
+    history
+        Of the run.
+    number
+        Of the sample, from 0.
+    confidence
+        [-] that the interval holds the end, as far as sampling and jumps go.
+    """
+    rate, error = history.rate[number][life.facet], history.error[number][life.facet]
+    left = max(life.time - float(history.service_time[number]), 0.0)
+    noise = float(np.hypot(life.noise, left * error / rate)) if rate > 0.0 else life.noise
+    half = abs(life.bias) + Goal(history.allowed_depth, confidence=confidence).deviations * noise
+    return End(life.time, half, throughput_at(history, life.time))
+
+
+def throughput_at(history: History, time: float) -> float:
+    """[kg] that has passed at a service time [s]; not a number where the case counts none"""
+    passed = float(history.throughput[-1] - history.throughput[0])
+    if not passed > 0.0:
+        return float("nan")
+    rate = passed / float(history.service_time[-1] - history.service_time[0])
+    return float(history.throughput[0]) + rate * (time - float(history.service_time[0]))
+
+
+def thickness_at(history: History, time: float) -> np.ndarray:
+    """(f,) [m] left at a service time [s]: linear between cycles, at the last rate beyond them; NaN where none is measured"""
+    measured = np.where(np.isfinite(history.thickness), history.thickness, np.nan)
+    served = history.service_time
+    if time >= served[-1]:
+        return np.maximum(measured[-1] - history.rate[-1] * (time - served[-1]), 0.0)
+    after = max(int(np.searchsorted(served, time, side="right")), 1)
+    part = (time - served[after - 1]) / (served[after] - served[after - 1])
+    return measured[after - 1] + part * (measured[after] - measured[after - 1])
+
+
+def zones_of(mesh: LinerMesh) -> Mapping[str, np.ndarray]:
+    """Facets (k,) of the worn face by zone: the mesh's own groups that share facets with it; without any, thirds along its longest axis."""
+    found = {}
+    for name, corner in mesh.group.items():
+        if name != WEAR and corner.shape[1] == mesh.wear.shape[1]:
+            place = np.unique(find_facets(corner, mesh.wear))
+            if (place >= 0).any():
+                found[name] = place[place >= 0]
+    return found or _thirds(mesh)
+
+
+def _thirds(mesh: LinerMesh) -> dict[str, np.ndarray]:
+    centre = mesh.node[mesh.wear].mean(axis=1)
+    corner = mesh.node[np.unique(mesh.wear)]
+    axis = int(np.argmax(np.ptp(corner, axis=0)))
+    edge = np.linspace(corner[:, axis].min(), corner[:, axis].max(), 4)
+    third = np.clip(np.searchsorted(edge, centre[:, axis], side="right") - 1, 0, 2)
+    names = [
+        f"third at {'xyz'[axis]} = {1e3 * a:.3g} to {1e3 * b:.3g} mm"
+        for a, b in zip(edge, edge[1:], strict=False)
+    ]
+    return {name: np.flatnonzero(third == k) for k, name in enumerate(names) if (third == k).any()}
+
+
+def wear_by_zone(history: History, confidence: float) -> tuple[Zone, ...]:
+    """Each zone as it is after the last sample, with its own end of life."""
+    return tuple(
+        Zone(
+            name=name,
+            facet=facet,
+            area=float(history.area[facet].sum()),
+            deepest=float(history.depth[-1][facet].max()),
+            volume=float(history.depth[-1][facet] @ history.area[facet]),
+            least_thickness=float(history.thickness[-1][facet].min()),
+            rate=float(history.rate[-1][facet].max()),
+            end=_end_of_zone(history, facet, confidence),
+        )
+        for name, facet in zones_of(history.state.now.liner.mesh).items()
+    )
+
+
+def _end_of_zone(history: History, facet: np.ndarray, confidence: float) -> End | None:
+    """The life of a liner of which only this zone is judged."""
+    allowed = np.full(len(history.area), np.inf)
+    allowed[facet] = history.allowed_depth[facet]
+    judged = np.isfinite(allowed)
+    if not (history.rate[-1][judged] > 0.0).any():
+        return None
+    life = end_of_life(history.samples, Goal(allowed, history.area, confidence=confidence))
+    return end_of(life, history, -1, confidence)
+
+
+def warnings_of(history: History, begun: Mapping[str, Any], case: LifeCase | None, end: End) -> list[str]:
+    """What a reader must know before trusting the page, each in a sentence."""
+    found = []
+    last, limit = float(history.service_time[-1]), 0.02 if case is None else case.goal.tolerance
+    if begun["finished"] is None:
+        found.append("The run is not finished: what follows is the life as far as it has been told.")
+    if case is None:
+        found.append(
+            f"The case that was run is gone or has changed: its notes are missing here, and intervals hold {CONFIDENCE:.0%}."
+        )
+    if end.time > last:
+        ahead = words(end.time - last)
+        found.append(f"The end of life lies {ahead} beyond the last sample; the last rate is taken to stay.")
+    if end.half > limit * end.time:
+        found.append(
+            f"The life is known within {end.half / end.time:.1%}, the case asked for {limit:.1%}: the flow was sampled too little."
+        )
+    if history.rejected:
+        found.append(
+            f"{history.rejected} of {len(history.reports)} cycles proved too bold and were taken back."
+        )
+    unknown = int((~np.isfinite(history.thickness[-1])).sum())
+    if unknown:
+        found.append(
+            f"The thickness of {unknown} of {len(history.area)} facets could not be measured: they are grey."
+        )
+    weak = [report for report in history.reports if report.strain and report.strain.least_reserve < 1.0]
+    if weak:
+        least = min(report.strain.least_reserve for report in weak if report.strain)
+        found.append(
+            f"The liner yields from cycle {weak[0].cycle} on: reserve factor {least:.3g}, below 1, at the least."
+        )
+    found += [
+        f"Cycle {report.cycle}: {report.event.removesuffix('.')}."
+        for report in history.reports
+        if report.event
+    ]
+    return found + [f"The case says: {note}." for note in (case.notes if case else ())]
+
+
+def mesh_hash(mesh: LinerMesh) -> str:
+    """The SHA-256 of nodes, elements and groups, in hexadecimal."""
+    digest = sha256(mesh.node.tobytes() + mesh.element.tobytes())
+    for name in sorted(mesh.group):
+        digest.update(name.encode() + mesh.group[name].tobytes())
+    return digest.hexdigest()
