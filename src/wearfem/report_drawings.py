@@ -13,7 +13,7 @@ from wearfem.liner.mesh import LinerMesh
 from wearfem.pictures import view_direction
 from wearfem.render import View, paint
 
-COLOURS = "viridis_r"  # of thickness: what is thin is dark
+COLOURS = "viridis"  # of thickness, as in the pictures of the liner: what is thin is dark
 INK, ACCENT = "#1f2a36", "#0b5c8a"
 
 
@@ -38,7 +38,7 @@ def _figure(
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    style = {
+    style: Any = {
         "svg.hashsalt": "wearfem",
         "font.size": 9,
         "axes.edgecolor": "#8a949e",
@@ -75,7 +75,7 @@ def draw_curve(curve: Curve) -> str:
         axes.grid(color="#d9dee3", linewidth=0.6)
         axes.set_axisbelow(True)
         axes.spines[["top", "right"]].set_visible(False)
-        if curve.y.min() >= 0.0:
+        if 0.0 <= curve.y.min() < 0.5 * curve.y.max():
             axes.set_ylim(bottom=0.0)
     return found[0]
 

@@ -39,7 +39,7 @@ class Zone:
     area: float  # [m2]
     deepest: float  # [m] worn off since the liner was new
     volume: float  # [m3] depth times present area, summed
-    least_thickness: float  # [m]; infinite where none is measured
+    least_thickness: float  # [m]; NaN where none is measured
     rate: float  # [m/s] largest of the last sample
     end: End | None  # None where nothing is judged or nothing wears
 
@@ -66,8 +66,13 @@ def end_of(life: Life, history: History, number: int, confidence: float) -> End:
     rate, error = history.rate[number][life.facet], history.error[number][life.facet]
     left = max(life.time - float(history.service_time[number]), 0.0)
     noise = float(np.hypot(life.noise, left * error / rate)) if rate > 0.0 else life.noise
-    half = abs(life.bias) + Goal(history.allowed_depth, confidence=confidence).deviations * noise
+    half = abs(life.bias) + deviations(confidence) * noise
     return End(life.time, half, throughput_at(history, life.time))
+
+
+def deviations(confidence: float) -> float:
+    """Standard deviations within which a normal error lies with `confidence`"""
+    return Goal(np.ones(1), confidence=confidence).deviations
 
 
 def throughput_at(history: History, time: float) -> float:
@@ -79,15 +84,46 @@ def throughput_at(history: History, time: float) -> float:
     return float(history.throughput[0]) + rate * (time - float(history.service_time[0]))
 
 
+def lag_of(history: History) -> np.ndarray:
+    """(c, f) [m] by which each sampled shape stood behind the depth that is known since: the next jump makes up for it.
+
+    Zero for cycles on another mesh than the present one.
+    """
+    kept = [report for report in history.reports if report.kept]
+    same = np.array([len(report.depth) == len(history.area) for report in kept])
+    moved = [
+        report.depth if whole else depth
+        for report, whole, depth in zip(kept, same, history.depth, strict=True)
+    ]
+    return history.depth - np.array(moved)
+
+
+def corrected_thickness(history: History) -> np.ndarray:
+    """(c, f) [m] left at each cycle: as measured on its shape, less what that stood behind; NaN where none is measured"""
+    return np.where(np.isfinite(history.thickness), history.thickness, np.nan) - lag_of(history)
+
+
+def corrected_volume(history: History) -> np.ndarray:
+    """(c,) [m3] worn off: what the mesh lost, and what its shape stood behind, times the present areas"""
+    return history.worn_volume + lag_of(history) @ history.area
+
+
 def thickness_at(history: History, time: float) -> np.ndarray:
-    """(f,) [m] left at a service time [s]: linear between cycles, at the last rate beyond them; NaN where none is measured"""
-    measured = np.where(np.isfinite(history.thickness), history.thickness, np.nan)
-    served = history.service_time
+    """(f,) [m] left at a service time [s], NaN where none is measured.
+
+    Between the cycles n and n + 1, D apart, with s of it gone, the rate goes in a straight line, as in the end of life:
+
+        h = h_n + (h_n+1 - h_n) s / D + (r_n+1 - r_n) s (D - s) / (2 D)
+
+    Beyond the last cycle the last rate is taken to stay.
+    """
+    left, rate, served = corrected_thickness(history), history.rate, history.service_time
     if time >= served[-1]:
-        return np.maximum(measured[-1] - history.rate[-1] * (time - served[-1]), 0.0)
+        return np.maximum(left[-1] - rate[-1] * (time - served[-1]), 0.0)
     after = max(int(np.searchsorted(served, time, side="right")), 1)
-    part = (time - served[after - 1]) / (served[after] - served[after - 1])
-    return measured[after - 1] + part * (measured[after] - measured[after - 1])
+    gone, step = time - served[after - 1], served[after] - served[after - 1]
+    straight = left[after - 1] + (left[after] - left[after - 1]) * gone / step
+    return straight + (rate[after] - rate[after - 1]) * gone * (step - gone) / (2.0 * step)
 
 
 def zones_of(mesh: LinerMesh) -> Mapping[str, np.ndarray]:
@@ -114,6 +150,11 @@ def _thirds(mesh: LinerMesh) -> dict[str, np.ndarray]:
     return {name: np.flatnonzero(third == k) for k, name in enumerate(names) if (third == k).any()}
 
 
+def least(length: np.ndarray) -> float:
+    """[m] the least of those that are known; NaN where none is"""
+    return float(np.fmin.reduce(length))
+
+
 def wear_by_zone(history: History, confidence: float) -> tuple[Zone, ...]:
     """Each zone as it is after the last sample, with its own end of life."""
     return tuple(
@@ -123,7 +164,7 @@ def wear_by_zone(history: History, confidence: float) -> tuple[Zone, ...]:
             area=float(history.area[facet].sum()),
             deepest=float(history.depth[-1][facet].max()),
             volume=float(history.depth[-1][facet] @ history.area[facet]),
-            least_thickness=float(history.thickness[-1][facet].min()),
+            least_thickness=least(corrected_thickness(history)[-1][facet]),
             rate=float(history.rate[-1][facet].max()),
             end=_end_of_zone(history, facet, confidence),
         )
@@ -155,10 +196,12 @@ def warnings_of(history: History, begun: Mapping[str, Any], case: LifeCase | Non
     if end.time > last:
         ahead = words(end.time - last)
         found.append(f"The end of life lies {ahead} beyond the last sample; the last rate is taken to stay.")
-    if end.half > limit * end.time:
+    elif end.time < last:
         found.append(
-            f"The life is known within {end.half / end.time:.1%}, the case asked for {limit:.1%}: the flow was sampled too little."
+            f"The end of life was passed before the last cycle, which sampled {words(last - end.time)} after it."
         )
+    if end.half > limit * end.time:
+        found.append(f"The life is known within {end.half / end.time:.1%}, and {limit:.1%} was asked for.")
     if history.rejected:
         found.append(
             f"{history.rejected} of {len(history.reports)} cycles proved too bold and were taken back."
@@ -170,9 +213,9 @@ def warnings_of(history: History, begun: Mapping[str, Any], case: LifeCase | Non
         )
     weak = [report for report in history.reports if report.strain and report.strain.least_reserve < 1.0]
     if weak:
-        least = min(report.strain.least_reserve for report in weak if report.strain)
+        reserve = min(report.strain.least_reserve for report in weak if report.strain)
         found.append(
-            f"The liner yields from cycle {weak[0].cycle} on: reserve factor {least:.3g}, below 1, at the least."
+            f"The liner yields from cycle {weak[0].cycle} on: reserve factor {reserve:.3g}, below 1, at the least."
         )
     found += [
         f"Cycle {report.cycle}: {report.event.removesuffix('.')}."

@@ -3,7 +3,7 @@
 import base64
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -30,7 +30,12 @@ from wearfem.report_drawings import Curve, colour_table, draw_curve, draw_maps
 from wearfem.report_facts import (
     CONFIDENCE,
     End,
+    corrected_thickness,
+    corrected_volume,
+    deviations,
     end_of,
+    lag_of,
+    least,
     mesh_hash,
     thickness_at,
     warnings_of,
@@ -111,14 +116,17 @@ def compose(
     end = end_of(history.life[-1], history, -1, confidence)
     thickness = thickness_at(history, end.time)
     frames = frames_of(run, history, end, thickness)
-    limits = _limits(history, thickness)
+    limits = _limits(corrected_thickness(history), thickness)
     mesh, first = history.state.now.liner.mesh, read_cycle(run, 1)[0].kept
     assert first is not None  # a cycle keeps what it sampled first
-    moments = [("at the first cycle", thickness_at(history, float(history.service_time[0])))]
-    moments += [
-        (f"now: {words(history.service_time[-1])} served", thickness_at(history, history.service_time[-1]))
-    ]
-    moments += [(f"end of life: {words(end.time)}", thickness)]
+    last = float(history.service_time[-1])
+    moments = {
+        "at the first cycle": float(history.service_time[0]),
+        f"now: {words(last)} served": last,
+        f"end of life: {words(end.time)}": end.time,
+    }
+    in_order = sorted(moments.items(), key=lambda moment: moment[1])
+    maps = [(title, thickness_at(history, time)) for title, time in in_order]
     source = files("wearfem") / "page"
     figures = figures_of(history, end)
     environment = Environment(
@@ -131,6 +139,10 @@ def compose(
         written=now().isoformat(timespec="seconds"),
         history=history,
         end=end,
+        left=corrected_thickness(history),
+        volume=corrected_volume(history),
+        lag=float(np.abs(lag_of(history)).max()),
+        least=least,
         confidence=f"{confidence:.0%}",
         zones=wear_by_zone(history, confidence),
         grouped=any(name in mesh.group for name in zones_of(mesh)),
@@ -142,7 +154,7 @@ def compose(
         mesh=mesh,
         first_mesh=first.liner.mesh,
         mesh_hash=mesh_hash(first.liner.mesh),
-        maps=draw_maps(mesh, moments, limits),
+        maps=draw_maps(mesh, maps, limits),
         curves=[(curve.title, draw_curve(curve)) for curve in curves_of(history, confidence)],
         strain=history.reports[-1].strain,
         rate_unit=day * 1e3,
@@ -157,15 +169,15 @@ def compose(
 def figures_of(history: History, end: End) -> tuple[Figure, ...]:
     """The numbers of the page."""
     low, high = end.interval
-    thickness = history.thickness[-1]
+    left = least(corrected_thickness(history)[-1])
     figures = [
         Figure("end of life", end.time / day, "d"),
         Figure("end of life, from", low / day, "d"),
         Figure("end of life, to", high / day, "d"),
         Figure("service time at the last cycle", float(history.service_time[-1]) / day, "d"),
-        Figure("least thickness at the last cycle", 1e3 * float(thickness.min()), "mm"),
+        Figure("least thickness at the last cycle", 1e3 * left, "mm"),
         Figure("deepest wear at the last cycle", 1e3 * float(history.depth[-1].max()), "mm"),
-        Figure("volume worn off at the last cycle", 1e6 * float(history.worn_volume[-1]), "cm3"),
+        Figure("volume worn off at the last cycle", 1e6 * float(corrected_volume(history)[-1]), "cm3"),
         Figure("largest rate of the last cycle", 1e3 * day * float(history.rate[-1].max()), "mm/d"),
     ]
     if np.isfinite(end.throughput):
@@ -182,17 +194,16 @@ def curves_of(history: History, confidence: float) -> list[Curve]:
     label = f"throughput [{name}]" if counts else "service time [d]"
     cycle, fastest = np.arange(len(x)), history.rate.argmax(axis=1)
     ends = [end_of(life, history, number, confidence) for number, life in enumerate(history.life)]
-    deviations = _deviations(history, confidence)
     curves = [
         Curve("Deepest wear", x, 1e3 * history.depth.max(axis=1), label, "depth [mm]"),
-        Curve("Volume worn off", x, 1e6 * history.worn_volume, label, "volume [cm³]"),
+        Curve("Volume worn off", x, 1e6 * corrected_volume(history), label, "volume [cm³]"),
         Curve(
             "Largest rate of wear",
             x,
             1e3 * day * history.rate[cycle, fastest],
             label,
             "rate [mm/d]",
-            1e3 * day * deviations * history.error[cycle, fastest],
+            1e3 * day * deviations(confidence) * history.error[cycle, fastest],
         ),
         Curve(
             "End of life as told after each cycle",
@@ -222,12 +233,18 @@ def frames_of(run: Path, history: History, end: End, thickness: np.ndarray) -> l
     each = 3 * len(surface.point) + 2 * len(surface.triangle)
     count = int(np.clip(MOST_NUMBERS // each, 2, MOST_FRAMES))
     shown = np.unique(np.linspace(0, len(kept) - 1, min(count, len(kept))).round().astype(int))
-    frames = []
-    for report in (kept[number] for number in shown):
+    known, frames = corrected_thickness(history), []
+    for number in shown:
+        report = kept[number]
         title = f"cycle {report.cycle}: {words(report.service_time)} served"
         if report.throughput > 0.0:
             title += f", {mass(report.throughput)}"
-        frames.append(_worn_face(run / CYCLES / f"{report.cycle:04d}.vtkhdf", title))
+        frame, facet = _worn_face(run / CYCLES / f"{report.cycle:04d}.vtkhdf", title)
+        if len(report.depth) == len(
+            history.area
+        ):  # the mesh is still the same: what is known since is better
+            frame = replace(frame, thickness=known[number][facet], depth=history.depth[number][facet])
+        frames.append(frame)
     ahead = end.time - float(history.service_time[-1])
     if ahead > 0.0:
         depth = history.depth[-1] + ahead * history.rate[-1]
@@ -238,19 +255,20 @@ def frames_of(run: Path, history: History, end: End, thickness: np.ndarray) -> l
     return frames
 
 
-def _worn_face(file: Path, title: str) -> Frame:
-    """The worn face that a cycle wrote."""
+def _worn_face(file: Path, title: str) -> tuple[Frame, np.ndarray]:
+    """The worn face that a cycle wrote, and the facet (t,) of each triangle."""
     try:
         with h5py.File(file, "r") as content:
             root = content["VTKHDF"]
             thickness = root["CellData/thickness [m]"][()]
-            return Frame(
+            frame = Frame(
                 title,
                 root["Points"][()],
                 root["Polygons/Connectivity"][()].reshape(-1, 3),
                 np.where(np.isfinite(thickness), thickness, np.nan),
                 root["CellData/depth [m]"][()],
             )
+            return frame, root["CellData/facet"][()]
     except (OSError, KeyError, RuntimeError, ValueError) as error:
         raise UserError(
             f"{file} is missing, cut off or damaged ({error}): put it back, or move away this cycle and all later ones and use "
@@ -293,11 +311,12 @@ def _numbers(array: np.ndarray, kind: str) -> str:
     return base64.b64encode(np.ascontiguousarray(array, kind).tobytes()).decode()
 
 
-def _limits(history: History, thickness: np.ndarray) -> tuple[float, float]:
-    """[m] the ends of the colours of thickness: from the least at the end of life to the most at the beginning"""
-    known = [*history.thickness[np.isfinite(history.thickness)], *thickness[np.isfinite(thickness)]]
-    low, high = (min(known), max(known)) if known else (0.0, 1e-3)
-    return (float(low), float(high)) if high > low else (0.0, float(high) or 1e-3)
+def _limits(*thickness: np.ndarray) -> tuple[float, float]:
+    """[m] the ends of the colours of thickness: the least and the most that are known, never the same"""
+    known = np.concatenate([one.ravel() for one in thickness])
+    known = known[np.isfinite(known)]
+    low, high = (float(known.min()), float(known.max())) if len(known) else (0.0, 1e-3)
+    return (low, high) if high > low else (0.0, high or 1e-3)
 
 
 def _case_of(begun: Mapping[str, Any]) -> LifeCase | None:
@@ -337,12 +356,6 @@ def _computing_time(run: Path, cycles: int) -> float:
         with h5py.File(run / CYCLES / f"{number:04d}.h5", "r") as file:
             total += float(file.attrs["run_time"])
     return total
-
-
-def _deviations(history: History, confidence: float) -> float:
-    from wearfem.wear.jump import Goal
-
-    return Goal(history.allowed_depth, confidence=confidence).deviations
 
 
 def mass(kilogram: float) -> str:

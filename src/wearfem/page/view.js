@@ -46,15 +46,28 @@
     let up = Math.abs(normal[2]) > 0.9 ? [0, 1, 0] : [0, 0, 1];
     let right = unit(cross(up, normal));
     up = cross(normal, right);
-    const toward = unit(normal.map((x, k) => x + 0.45 * right[k] - 0.75 * up[k]));
+    const toward = unit(normal.map((x, k) => x + 0.4 * right[k] - 0.8 * up[k]));
+    if (Math.abs(toward[2]) < 0.95) up = [0, 0, 1];
     right = unit(cross(up, toward));
     return [right, cross(toward, right), toward];
   }
   const minus = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
   const corners = (point, triangle, t) => [0, 1, 2].map((k) => { const n = 3 * triangle[t + k]; return [point[n], point[n + 1], point[n + 2]]; });
 
+  function fit() { // how near, so that the face fills the picture
+    let wide = 0, high = 0;
+    const { point } = frames[0];
+    for (let n = 0; n < point.length; n += 3) {
+      const p = point.subarray(n, n + 3);
+      wide = Math.max(wide, Math.abs(dot(eye[0], p)));
+      high = Math.max(high, Math.abs(dot(eye[1], p)));
+    }
+    const { clientWidth, clientHeight } = canvas, least = Math.min(clientWidth, clientHeight);
+    return 0.9 * size * Math.min(clientWidth / least / wide, clientHeight / least / high);
+  }
+
   let eye = front();
-  let near = 1; // 1 shows all
+  let near = 1; // 1: the sphere around the face fills the picture
   let shift = [0, 0]; // of the middle, in parts of what is seen
 
   function turn(right, up) { // [rad]
@@ -80,8 +93,9 @@
       void main() { seen = eye * place; told = amount; gl_Position = vec4(seen.xy * scale + shift, -seen.z * depth, 1.0); }`],
     [gl.FRAGMENT_SHADER, `#version 300 es
       precision highp float;
-      in vec3 seen; flat in float told; uniform sampler2D colours; uniform vec2 limits; out vec4 colour;
+      in vec3 seen; flat in float told; uniform sampler2D colours; uniform vec2 limits; uniform int line; out vec4 colour;
       void main() {
+        if (line == 1) { colour = vec4(0.12, 0.16, 0.21, 1.0); return; }
         vec3 normal = normalize(cross(dFdx(seen), dFdy(seen)));
         float light = 0.62 + 0.38 * abs(dot(normal, normalize(vec3(0.25, 0.35, 0.9))));
         vec3 paint = texture(colours, vec2(clamp((told - limits.x) / (limits.y - limits.x), 0.002, 0.998), 0.5)).rgb;
@@ -114,6 +128,16 @@
 
   const frame = () => frames[Number(slider.value)];
   let loaded = 0; // corners of the frame that is shown
+  let outlined = 0; // ends of its border, behind them
+
+  function border(triangle) { // corners of the edges that belong to one triangle only
+    const seen = new Map();
+    triangle.forEach((a, k) => {
+      const b = triangle[k % 3 === 2 ? k - 2 : k + 1], name = a < b ? `${a} ${b}` : `${b} ${a}`;
+      seen.set(name, seen.has(name) ? null : [a, b]);
+    });
+    return [...seen.values()].filter(Boolean).flat();
+  }
 
   function load() {
     const { point, triangle, title } = frame();
@@ -124,11 +148,18 @@
       const one = amount[Math.floor(k / 3)];
       told[k] = Number.isFinite(one) ? one : -1e30;
     });
-    gl.bindBuffer(gl.ARRAY_BUFFER, buffers.place);
-    gl.bufferData(gl.ARRAY_BUFFER, place, gl.STATIC_DRAW);
-    gl.bindBuffer(gl.ARRAY_BUFFER, buffers.amount);
-    gl.bufferData(gl.ARRAY_BUFFER, told, gl.STATIC_DRAW);
     loaded = triangle.length;
+    const edges = border(triangle);
+    gl.bindBuffer(gl.ARRAY_BUFFER, buffers.place);
+    const lines = new Float32Array(3 * edges.length);
+    edges.forEach((n, k) => lines.set(point.subarray(3 * n, 3 * n + 3), 3 * k));
+    gl.bufferData(gl.ARRAY_BUFFER, 4 * (place.length + lines.length), gl.STATIC_DRAW);
+    gl.bufferSubData(gl.ARRAY_BUFFER, 0, place);
+    gl.bufferSubData(gl.ARRAY_BUFFER, 4 * place.length, lines);
+    gl.bindBuffer(gl.ARRAY_BUFFER, buffers.amount);
+    gl.bufferData(gl.ARRAY_BUFFER, 4 * (told.length + edges.length), gl.STATIC_DRAW);
+    gl.bufferSubData(gl.ARRAY_BUFFER, 0, told);
+    outlined = edges.length;
     output.textContent = title;
     const [low, high] = content.limits[field.value];
     stage.querySelector(".low").textContent = `${low.toPrecision(3)} mm`;
@@ -137,7 +168,7 @@
   }
 
   const scale = () => { // from mm to the -1..1 of the picture
-    const s = (0.92 * near) / size, { width, height } = canvas;
+    const s = near / size, { width, height } = canvas;
     return width > height ? [(s * height) / width, s] : [s, (s * width) / height];
   };
 
@@ -153,7 +184,10 @@
     gl.uniform2fv(at("shift"), shift);
     gl.uniform1f(at("depth"), 0.5 / size);
     gl.uniform2fv(at("limits"), content.limits[field.value]);
+    gl.uniform1i(at("line"), 0);
     gl.drawArrays(gl.TRIANGLES, 0, loaded);
+    gl.uniform1i(at("line"), 1);
+    gl.drawArrays(gl.LINES, loaded, outlined);
   }
 
   // ---- the value under the pointer: the nearest triangle that the line of sight meets
@@ -204,7 +238,7 @@
   });
   slider.addEventListener("input", load);
   field.addEventListener("change", load);
-  stage.querySelector("button").addEventListener("click", () => { eye = front(); near = 1; shift = [0, 0]; draw(); });
+  stage.querySelector("button").addEventListener("click", () => { eye = front(); near = fit(); shift = [0, 0]; draw(); });
   window.addEventListener("resize", draw);
 
   const bar = stage.querySelector(".legend canvas"), ink = bar.getContext("2d"), rows = ink.createImageData(1, 256);
@@ -213,6 +247,7 @@
 
   stage.hidden = false;
   document.querySelector("#view .no-view").hidden = true;
+  near = fit();
   load();
   stage.dataset.ready = "yes";
 })();
