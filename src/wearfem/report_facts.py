@@ -13,6 +13,8 @@ from wearfem.life import words
 from wearfem.liner.mesh import WEAR, LinerMesh, find_facets
 from wearfem.wear.jump import Goal, Life, end_of_life
 
+REST = "rest of the worn face"
+UNEXPLAINED = 0.2  # of the first thickness, by which a facet may measure thinner than its wear explains, as curved faces do
 CONFIDENCE = 0.9  # of the intervals, where the case that would name another is gone
 
 
@@ -127,14 +129,20 @@ def thickness_at(history: History, time: float) -> np.ndarray:
 
 
 def zones_of(mesh: LinerMesh) -> Mapping[str, np.ndarray]:
-    """Facets (k,) of the worn face by zone: the mesh's own groups that share facets with it; without any, thirds along its longest axis."""
+    """Facets (k,) of the worn face by zone.
+
+    The mesh's own groups that share facets with it, and what they leave; without any, thirds along its longest axis.
+    """
     found = {}
     for name, corner in mesh.group.items():
         if name != WEAR and corner.shape[1] == mesh.wear.shape[1]:
             place = np.unique(find_facets(corner, mesh.wear))
             if (place >= 0).any():
                 found[name] = place[place >= 0]
-    return found or _thirds(mesh)
+    if not found:
+        return _thirds(mesh)
+    rest = np.setdiff1d(np.arange(len(mesh.wear)), np.concatenate(list(found.values())))
+    return found | ({REST: rest} if len(rest) else {})
 
 
 def _thirds(mesh: LinerMesh) -> dict[str, np.ndarray]:
@@ -210,6 +218,13 @@ def warnings_of(history: History, begun: Mapping[str, Any], case: LifeCase | Non
     if unknown:
         found.append(
             f"The thickness of {unknown} of {len(history.area)} facets could not be measured: they are grey."
+        )
+    left = corrected_thickness(history)
+    strange = int((left[0] - history.depth[-1] + history.depth[0] - left[-1] > UNEXPLAINED * left[0]).sum())
+    if strange:
+        found.append(
+            f"{strange} of {len(history.area)} facets measure thinner than their wear explains, by more than {UNEXPLAINED:.0%} of what "
+            "they had: thickness is measured along the normal, which leaves by the side of the liner where a facet at its border tilts."
         )
     weak = [report for report in history.reports if report.strain and report.strain.least_reserve < 1.0]
     if weak:

@@ -214,11 +214,11 @@ def curves_of(history: History, confidence: float) -> list[Curve]:
             np.array([end.half for end in ends]) / day,
         ),
     ]
+    if np.isfinite(history.largest_von_mises).all():
+        stress = 1e-6 * history.largest_von_mises
+        curves.append(Curve("Largest von Mises stress", x, stress, label, "stress [MPa]"))
     if np.isfinite(history.least_reserve).all():
         curves.append(Curve("Reserve against yield", x, history.least_reserve, label, "reserve factor [-]"))
-        curves.append(
-            Curve("Largest von Mises stress", x, 1e-6 * history.largest_von_mises, label, "stress [MPa]")
-        )
     return curves
 
 

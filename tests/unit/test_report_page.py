@@ -4,6 +4,7 @@ import base64
 import json
 import re
 import shutil
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -20,7 +21,9 @@ from wearfem.report_facts import (
     corrected_volume,
     end_of,
     thickness_at,
+    warnings_of,
     wear_by_zone,
+    zones_of,
 )
 from wearfem.report_page import write_report
 from wearfem.run import run_case
@@ -206,6 +209,28 @@ def test_zones_are_groups_of_the_mesh_and_wear_as_they_must(zones):
     assert right.end.throughput == pytest.approx(100.0 * right.end.time, rel=1e-9)
     assert left.area + right.area == pytest.approx(0.02, rel=1e-12)
     assert end_of(history.life[-1], history, -1, 0.9).time == pytest.approx(right.end.time, rel=1e-12)
+
+
+def test_no_facet_is_left_out_of_the_zones(zones):
+    mesh = zones[1].state.now.liner.mesh
+    named = zones_of(replace(mesh, group={"wear": mesh.wear, "left": mesh.group["left"]}))
+    assert list(named) == ["left", "rest of the worn face"]
+    thirds = zones_of(replace(mesh, group={"wear": mesh.wear}))
+    assert len(thirds) == 3
+    for zone in (named, thirds):
+        assert np.array_equal(np.sort(np.concatenate(list(zone.values()))), np.arange(len(mesh.wear)))
+
+
+def test_what_is_strange_is_told(zones):
+    history = zones[1]
+    case = load_any_case(CASES / "wearing_plate")
+    end = end_of(history.life[-1], history, -1, 0.9)
+    begun = {"finished": "today"}
+    assert not any("thinner than" in warning for warning in warnings_of(history, begun, case, end))
+    thin = history.thickness.copy()
+    thin[-1, :2] -= 5 * mm  # of 20 mm, more than a fifth
+    told = warnings_of(replace(history, thickness=thin), begun, case, end)
+    assert any(warning.startswith("2 of 32 facets measure thinner than") for warning in told)
 
 
 def test_what_a_case_says_is_told_and_cannot_break_the_page(zones):
