@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from wearfem.case import LifeCase
+from wearfem.cycle import CycleReport
 from wearfem.history import History
 from wearfem.life import words
 from wearfem.liner.mesh import WEAR, LinerMesh, find_facets
@@ -92,17 +93,21 @@ def lag_of(history: History) -> np.ndarray:
     Zero for cycles on another mesh than the present one.
     """
     kept = [report for report in history.reports if report.kept]
-    same = np.array([len(report.depth) == len(history.area) for report in kept])
-    moved = [
-        report.depth if whole else depth
-        for report, whole, depth in zip(kept, same, history.depth, strict=True)
-    ]
-    return history.depth - np.array(moved)
+    return np.array([_behind(report, depth) for report, depth in zip(kept, history.depth, strict=True)])
+
+
+def _behind(report: CycleReport, depth: np.ndarray) -> np.ndarray:
+    return depth - report.depth if len(report.depth) == len(depth) else np.zeros_like(depth)
 
 
 def corrected_thickness(history: History) -> np.ndarray:
-    """(c, f) [m] left at each cycle: as measured on its shape, less what that stood behind; NaN where none is measured"""
-    return np.where(np.isfinite(history.thickness), history.thickness, np.nan) - lag_of(history)
+    """(c, f) [m] left at each cycle: as measured on its shape, less what that stood behind; NaN where none is measured.
+
+    On a mesh that has changed the history has corrected it already.
+    """
+    left = np.where(np.isfinite(history.thickness), history.thickness, np.nan)
+    one_mesh = all(len(report.depth) == len(history.area) for report in history.reports if report.kept)
+    return left - lag_of(history) if one_mesh else left
 
 
 def corrected_volume(history: History) -> np.ndarray:
