@@ -54,7 +54,7 @@
   const minus = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
   const corners = (point, triangle, t) => [0, 1, 2].map((k) => { const n = 3 * triangle[t + k]; return [point[n], point[n + 1], point[n + 2]]; });
 
-  function fit() { // how near, so that the face fills the picture
+  function fit() { // how near, so that the face fills the picture beside the legend
     let wide = 0, high = 0;
     const { point } = frames[0];
     for (let n = 0; n < point.length; n += 3) {
@@ -63,7 +63,7 @@
       high = Math.max(high, Math.abs(dot(eye[1], p)));
     }
     const { clientWidth, clientHeight } = canvas, least = Math.min(clientWidth, clientHeight);
-    return 0.9 * size * Math.min(clientWidth / least / wide, clientHeight / least / high);
+    return 0.9 * size * Math.min((clientWidth - 150) / least / wide, clientHeight / least / high);
   }
 
   let eye = front();
