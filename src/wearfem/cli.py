@@ -146,6 +146,17 @@ def study(
 
 
 @wearfem.command()
+@click.argument("run", type=Path)
+@click.option("--out", type=Path, metavar="FILE", help="The page to write; report.html in RUN if not given.")
+@json_option
+def report(run: Path, out: Path | None, json_file: Path | None) -> None:
+    """Write one page on a life, for the planner of maintenance; it needs no network and prints well."""
+    from wearfem.report_page import write_report
+
+    write_report(run, out, json_file)
+
+
+@wearfem.command()
 @click.argument("names", nargs=-1)
 @json_option
 def verify(names: tuple[str, ...], json_file: Path | None) -> int:

@@ -13,6 +13,8 @@ LAYERS = (
     {"verify", "bench", "check", "measured"},
     {"proofs"},
     {"benchmarks"},
+    {"report_page"},
+    {"report_facts", "report_drawings"},
     {"report", "report_particles", "study", "study_results", "verification"},
     {"run"},
     {"pictures", "record_mesh"},
@@ -35,13 +37,14 @@ ALONE = {"verification"}  # what the engine is measured against owes nothing to 
 ONLY_IN = {
     "numba": ("jit.py", "dem/gpu.py"),
     "skfem": ("liner/", "wear/smooth.py"),
-    "matplotlib": ("report.py", "report_particles.py", "pictures.py", "render.py"),
+    "matplotlib": ("report.py", "report_particles.py", "pictures.py", "render.py", "report_drawings.py"),
+    "jinja2": ("report_page.py",),
     "pyvista": ("report.py", "render.py"),
     "click": ("cli.py",),
     "distributed": ("study.py",),
     "rich": ("progress.py", "report.py", "run.py", "check.py", "verify.py", "bench.py"),
 }
-ONLY_INSIDE_FUNCTIONS = {"matplotlib", "pyvista", "gmsh", "distributed"}
+ONLY_INSIDE_FUNCTIONS = {"matplotlib", "pyvista", "gmsh", "distributed", "jinja2"}
 FORBIDDEN_NAMES = {"utils.py", "util.py", "helpers.py", "base.py", "common.py", "misc.py"}
 LONGEST_FILE = 500  # lines
 
