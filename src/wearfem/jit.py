@@ -6,9 +6,9 @@ Every compiled function of wearfem is decorated here and nowhere else, so that o
   vectorisation (measured: 37.8 ns against 16.8 ns a contact).
 * no ``fastmath``: it gave nothing and costs reproducibility.
 * threading layer ``omp``: 1.7 us a parallel region (``workqueue`` 122 us, ``tbb`` 519 us).
-* ``GOMP_SPINCOUNT=1000``: a thread that waits for the others sleeps after about a microsecond. libgomp's own value lets it burn a
-  core that another program has work for (5 000 particles on 2 cores, load 5, in turns: 1.4 million particle-steps/s with libgomp's
-  value, 4.0 with 20 000, 7.5 with 1000).
+* ``GOMP_SPINCOUNT=10000``: a thread that waits for the others sleeps after some microseconds. libgomp's own value lets it burn a core that
+  another program has work for (5 000 particles on 2 cores at load 5, in turns: 1.4 million particle-steps/s with libgomp's value, 4.0
+  with 20 000, 7.5 with 1000). On idle cores: 12.0-14.4 with libgomp's value, 13.2-13.8 with 1000, 14.2-15.7 with 10 000.
 * ``cache=True`` does not notice an edited law in another file, so the cache directory carries a hash of the sources.
 """
 
@@ -42,7 +42,7 @@ def _cache_directory() -> str:
 
 
 os.environ.setdefault("NUMBA_CACHE_DIR", _cache_directory())
-os.environ.setdefault("GOMP_SPINCOUNT", "1000")  # read when libgomp is loaded
+os.environ.setdefault("GOMP_SPINCOUNT", "10000")  # read when libgomp is loaded
 os.environ.setdefault("NUMBA_THREADING_LAYER_PRIORITY", "omp workqueue tbb")  # omp needs libgomp1
 
 import numba  # noqa: E402  (the cache directory must be named before numba is imported)
