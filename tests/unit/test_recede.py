@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from wearfem.errors import UserError
-from wearfem.liner.block import Hexahedra, Tetrahedra, block, sheet
+from wearfem.liner.block import Hexahedra, Tetrahedra, block, mapped, sheet
 from wearfem.liner.breakthrough import breakthrough, open_surface, thickness
 from wearfem.liner.liner import Liner
 from wearfem.liner.mesh import SolidMesh
@@ -174,3 +174,15 @@ def test_a_warped_hexahedron_has_the_volume_of_its_trilinear_map():
                     )
                 total += np.linalg.det(jacobian) / 8.0
     assert volume(SolidMesh(node, cube.element)) == pytest.approx(total, rel=1e-14)  # rounding
+
+
+def test_a_facet_that_tilts_at_the_rim_is_as_thick_as_the_plate():
+    """Its inward line leaves by the side of the plate, far below the facet."""
+    flat = block((0.0, 0.0, 0.0), (0.2, 0.2, 0.04), (8, 8, 4))
+    tilted = mapped(
+        flat, lambda x: x - np.outer(0.06 * x[:, 0] * x[:, 2] / 0.04, [0, 0, 1])
+    )  # by 3.4 degrees
+    left = tilted.node[tilted.wear].mean(axis=1)[:, 2]
+    # along the tilted normal the way to the back is longer by 1 / cos; corners lie up to half an edge lower
+    assert (thickness(tilted) > left * 0.95 - 0.06 * 0.025).all()
+    assert (thickness(tilted) < left * 1.05).all()

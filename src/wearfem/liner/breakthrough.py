@@ -11,6 +11,9 @@ from wearfem.liner.liner import Liner
 from wearfem.liner.mesh import _SIDES, LinerMesh, ShellMesh, SolidMesh
 
 NEAR = 0.9  # of the way from a facet's centre to its corners, where it is measured too
+SIDE = np.cos(
+    np.radians(75.0)
+)  # of the angle between a line and the normal of the face that it leaves by: a side, not the back
 THIN = 0.05  # of the mean length of the worn facets: what is left when the liner counts as worn through
 
 
@@ -27,9 +30,9 @@ def thickness(mesh: LinerMesh) -> np.ndarray:
     """(f,) [m] what is left under each worn facet.
 
     Of a solid, the least distance from the facet's centre, and from points close to its corners, along its inward normal to where
-    that line leaves the solid (lines that leave by a side next to the facet do not count; infinity if all do): from
-    element to element, so time and memory go with the number of elements in a row. Of a shell, the
-    least at the facet's nodes.
+    that line leaves the solid: from element to element, so time and memory go with the number of elements in a row. Lines that leave by a
+    face next to the facet do not count, nor those that leave by a side, whose normal is more than 75 degrees off the line; infinity if all do.
+    Of a shell, the least at the facet's nodes.
     """
     if isinstance(mesh, ShellMesh):
         return mesh.thickness[mesh.wear].min(axis=1)
@@ -207,10 +210,9 @@ def _walk(mesh: SolidMesh) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         outside = beyond[element, leaves] < 0
         last = mesh.element[element[outside][:, None], side[leaves[outside]]]
         own = worn[ray[outside] // lines]
-        beside = (last[:, :, None] == own[:, None, :]).any(
-            axis=(1, 2)
-        )  # out by the side next to it: not through
-        length[ray[outside][beside]] = np.inf
+        beside = (last[:, :, None] == own[:, None, :]).any(axis=(1, 2))
+        steep = np.divide(towards, np.linalg.norm(normal, axis=2))[np.arange(len(ray)), leaves][outside]
+        length[ray[outside][beside | (steep < SIDE)]] = np.inf  # out by a side: not through
         element = beyond[element, leaves]
         ray, element = ray[element >= 0], element[element >= 0]
         if not len(ray):
