@@ -31,8 +31,8 @@ def thickness(mesh: LinerMesh) -> np.ndarray:
 
     Of a solid, the least distance from the facet's centre, and from points close to its corners, along its inward normal to where
     that line leaves the solid: from element to element, so time and memory go with the number of elements in a row. Lines that leave by a
-    face next to the facet do not count, nor those that leave by a side, whose normal is more than 75 degrees off the line; infinity if all do.
-    Of a shell, the least at the facet's nodes.
+    face next to the facet do not count, nor those that leave by a side, whose normal is more than 75 degrees off the line;
+    infinity if all do. Of a shell, the least at the facet's nodes.
     """
     if isinstance(mesh, ShellMesh):
         return mesh.thickness[mesh.wear].min(axis=1)
