@@ -3,7 +3,7 @@
 from math import atan2, pi
 from pathlib import Path
 
-from gmsh_model import Where, flat, gmsh_model, mesh_of, upright
+from gmsh_model import Where, empty_model, flat, mesh_of, upright
 
 from wearfem.liner.mesh import LinerMesh
 from wearfem.liner.mesh_file import write_mesh
@@ -26,7 +26,7 @@ def annular_sectors(
     Groups: `wear` (top), `sector_1` ... (top of each, counted from the x axis), `support` (underside), `rim` (inner and outer wall).
     """
     angle = 2.0 * pi / count
-    with gmsh_model(name, size) as gmsh:
+    with empty_model(name, size) as gmsh:
         occ = gmsh.model.occ
         ring = []
         for number in range(count):

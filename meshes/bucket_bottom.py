@@ -6,7 +6,7 @@ The bucket's drawing is not public: sizes here are those of a bucket of 43 m3 in
 
 from pathlib import Path
 
-from gmsh_model import NEAR, Where, either, flat, gmsh_model, mesh_of
+from gmsh_model import NEAR, Where, either, empty_model, flat, mesh_of
 
 from wearfem.liner.mesh import LinerMesh
 from wearfem.liner.mesh_file import write_mesh
@@ -31,7 +31,7 @@ def bucket_bottom(
 
     Groups: `wear` (top and bars), `bars` (the bars' faces), `support` (underside), `rim` (the four sides).
     """
-    with gmsh_model("bucket_bottom", size) as gmsh:
+    with empty_model("bucket_bottom", size) as gmsh:
         occ = gmsh.model.occ
         plate = occ.addBox(0, -0.5 * width, -thickness, length, width, thickness)
         if bars:

@@ -11,7 +11,7 @@ from math import cos, sin, tan
 from pathlib import Path
 
 import numpy as np
-from gmsh_model import NEAR, Where, either, everything, flat, gmsh_model, mesh_of
+from gmsh_model import NEAR, Where, either, empty_model, everything, flat, mesh_of
 
 from wearfem.liner.block import mapped
 from wearfem.liner.mesh import LinerMesh, ShellMesh
@@ -47,7 +47,7 @@ def curved_chute(
     """
     inner, outer = profile(width, side, slope, thickness)
     part = (entry, radius * turn, end)
-    with gmsh_model("curved_chute", size) as gmsh:
+    with empty_model("curved_chute", size) as gmsh:
         section = _section(gmsh, inner) if shell else _section(gmsh, inner + outer[::-1], closed=True)
         for length in part:
             made = gmsh.model.occ.extrude(section, length, 0, 0)

@@ -6,7 +6,7 @@ here: a flat deck of two plates side by side that meet on the centre line, 20 mm
 
 from pathlib import Path
 
-from gmsh_model import Where, either, everything, flat, gmsh_model, mesh_of
+from gmsh_model import Where, either, empty_model, everything, flat, mesh_of
 
 from wearfem.liner.mesh import LinerMesh
 from wearfem.liner.mesh_file import write_mesh
@@ -27,7 +27,7 @@ def feeder_plates(
     `rim` (all four sides), `joint` (where plates meet).
     """
     each = width / plates
-    with gmsh_model(f"feeder_plates_{1e3 * size:.0f}", size) as gmsh:
+    with empty_model(f"feeder_plates_{1e3 * size:.0f}", size) as gmsh:
         occ = gmsh.model.occ
         deck = [(2, occ.addRectangle(0, k * each - 0.5 * width, 0, length, each)) for k in range(plates)]
         if plates > 1:

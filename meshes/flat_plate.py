@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from gmsh_model import NEAR, Where, either, flat, gmsh_model, mesh_of
+from gmsh_model import NEAR, Where, either, empty_model, flat, mesh_of
 
 from wearfem.liner.mesh import LinerMesh
 from wearfem.liner.mesh_file import write_mesh
@@ -24,7 +24,7 @@ def flat_plate(
 
     Groups: `wear` (top), `support` (underside), `rim` (the four sides), `bolt_1` ... (walls of the holes).
     """
-    with gmsh_model("flat_plate", size) as gmsh:
+    with empty_model("flat_plate", size) as gmsh:
         occ = gmsh.model.occ
         plate = occ.addBox(0, 0, 0, length, width, thickness)
         holes = [(3, occ.addCylinder(x, y, 0, 0, 0, thickness, hole / 2)) for x, y in bolts]

@@ -1,40 +1,26 @@
 """What the makers share: gmsh with an empty model, and the liner of what was drawn in it."""
 
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 
-from wearfem.errors import UserError
 from wearfem.liner.mesh import LinerMesh
 from wearfem.liner.mesh_file import read_mesh
+from wearfem.liner.mesher import gmsh_model
 
 NEAR = 1e-5  # [m] within which a face lies on a plane; gmsh's boxes are 1e-7 m too wide
 
 
-@contextmanager
-def gmsh_model(name: str, size: float) -> Iterator[Any]:
-    """gmsh with an empty model and edges of about `size` [m]; one thread, so that meshes repeat."""
-    try:
-        import gmsh
-    except (ImportError, OSError) as error:
-        raise UserError(
-            f"gmsh cannot be loaded ({error}); pip install gmsh, and on Debian and Ubuntu: apt install libglu1-mesa."
-        ) from error
-    gmsh.initialize(readConfigFiles=False, interruptible=False)
-    try:
-        gmsh.model.add(name)
-        for option, value in {
-            "General.Terminal": 0, "General.NumThreads": 1, "Mesh.MshFileVersion": 4.1, "Mesh.Binary": 1,
-            "Mesh.MeshSizeMax": size, "Mesh.MeshSizeMin": size / 4, "Mesh.Optimize": 1,
-        }.items():  # fmt: skip
-            gmsh.option.setNumber(option, value)
-        yield gmsh
-    finally:
-        gmsh.finalize()
+def empty_model(name: str, size: float) -> AbstractContextManager[Any]:
+    """gmsh with an empty model and edges of about `size` [m]"""
+    options = {
+        "Mesh.MshFileVersion": 4.1, "Mesh.Binary": 1, "Mesh.MeshSizeMax": size, "Mesh.MeshSizeMin": size / 4, "Mesh.Optimize": 1,
+    }  # fmt: skip
+    return gmsh_model(name, options)
 
 
 Where = Callable[[np.ndarray, np.ndarray, np.ndarray], bool]  # lowest corner, highest corner, centre [m]

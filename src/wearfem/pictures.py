@@ -12,8 +12,7 @@ from wearfem.errors import UserError, in_words
 from wearfem.liner.breakthrough import thickness
 from wearfem.liner.liner import Liner, worn_face
 from wearfem.liner.mesh import LinerMesh, ShellMesh, find_facets, triangles
-from wearfem.liner.quality import quality
-from wearfem.liner.recede import POOR
+from wearfem.liner.quality import POOR, quality
 from wearfem.liner.strength import Strength
 from wearfem.record import whole_file
 from wearfem.render import View, paint, round_below, shade

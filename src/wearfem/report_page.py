@@ -83,10 +83,10 @@ def write_report(run: Path, out: Path | None = None, json_file: Path | None = No
     UserError
         for a folder that is no run or no life's, a life of fewer than two cycles that were kept, and files cut off or damaged.
     """
+    begun = read_manifest(run)
     place = run / PAGE if out is None else out
     for file in filter(None, (place, json_file)):
         require_writable(file)
-    begun = read_manifest(run)
     if not cycles_of(run):
         raise UserError(
             f"{run} has no cycles: a report is of a life, a case in cycles such as cases/wearing_plate, that has run for two or more"

@@ -72,3 +72,21 @@ def test_a_group_by_place():
 def test_a_box_without_volume(bad):
     with pytest.raises(UserError, match="each direction needs a cell and a length above 0 m"):
         block(**{"lower": LOWER, "upper": UPPER, "cells": (1, 1, 1)} | bad)
+
+
+def test_volume_of_warped_hexahedra_is_the_integral_of_their_determinant():
+    rng = np.random.default_rng(5)
+    flat = block((0.0, 0.0, 0.0), (1.0, 1.0, 1.0), (3, 3, 3), Hexahedra)
+    mesh = mapped(flat, lambda x: x + 0.08 * rng.standard_normal(x.shape))
+    sign = np.array(
+        [[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]]
+    )
+    total = 0.0
+    # Gauss: exact for the determinant, which is of second degree in each direction
+    for point in sign / np.sqrt(3.0):
+        factor = 0.5 * (1.0 + sign * point)
+        slope = np.stack(
+            [0.5 * sign[:, k] * np.delete(factor, k, axis=1).prod(axis=1) for k in range(3)], axis=1
+        )
+        total += np.linalg.det(np.einsum("eci,ck->eik", mesh.node[mesh.element], slope)).sum()
+    assert mesh.volume == pytest.approx(total, rel=1e-12)  # rounding

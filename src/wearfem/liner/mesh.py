@@ -6,6 +6,7 @@ Geometry is straight: corner nodes only. Elements of higher order add their own 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from math import fsum
 
 import numpy as np
 
@@ -57,9 +58,13 @@ class SolidMesh:
 
     @property
     def volume(self) -> float:
-        """[m3] enclosed by the boundary, cut into triangles"""
-        a, b, c = np.moveaxis(self.node[triangles(self.boundary)[0]], 1, 0)
-        return float(np.einsum("ti,ti->", a, np.cross(b, c)) / 6.0)
+        """[m3] enclosed by the boundary; a facet with four corners is bilinear, which is the mean of both its cuts into triangles"""
+        corner = self.node[self.boundary]
+        corner = corner - corner.mean(axis=(0, 1))
+        whole, halves = [(0, 1, 2)], [(0, 1, 2), (0, 2, 3), (0, 1, 3), (1, 2, 3)]
+        cuts, weight = (whole, 1.0) if corner.shape[1] == 3 else (halves, 0.5)
+        parts = [weight * np.linalg.det(corner[:, cut]) for cut in cuts]
+        return fsum(np.concatenate(parts)) / 6.0
 
 
 @dataclass(frozen=True)

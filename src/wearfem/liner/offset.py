@@ -104,7 +104,8 @@ def offset(
         wanted = w + np.divide(missing, corner_area, out=np.zeros(count), where=used)
         stuck = np.minimum(wanted, 0.0) * corner_area
         w = np.maximum(wanted, 0.0)
-        asked = asked - stuck + _to_givers(spread, w).T @ stuck
+        if stuck.any():
+            asked = asked - stuck + _to_givers(spread, w).T @ stuck
     if not abs(total - asked_total) <= 1e-10 * asked_total:
         raise UserError(
             f"The worn face cannot lose the {asked_total:.4g} m3 asked for (its nodes would sweep {total:.4g} m3): it has a fin thinner "

@@ -8,10 +8,9 @@ from scipy.sparse.csgraph import connected_components
 
 from wearfem.edges import neighbours, parts
 from wearfem.errors import UserError
+from wearfem.liner.corners import SHARP
 from wearfem.liner.mesh import LinerMesh, SolidMesh, find_facets, triangles
-from wearfem.units import degree
 
-SHARP = 30.0 * degree  # edges and corners that turn by more are kept, as `recede` keeps them
 TURNED = np.pi  # no two triangles turn by more: asks for neighbours by number only
 
 

@@ -4,6 +4,8 @@ import numpy as np
 
 from wearfem.liner.mesh import LinerMesh
 
+POOR = 0.1  # [-] quality of the worst element below which a liner should be meshed again
+
 # The three neighbours of each corner of a hexahedron, in right-handed order
 _NEIGHBOUR = np.array(
     [[1, 3, 4], [2, 0, 5], [3, 1, 6], [0, 2, 7], [7, 5, 0], [4, 6, 1], [5, 7, 2], [6, 4, 3]]

@@ -6,14 +6,13 @@ import numpy as np
 
 from wearfem.errors import UserError
 from wearfem.liner.breakthrough import Breakthrough, breakthrough
-from wearfem.liner.corners import SHARP, cover, facet_area, find_corners, unworn
+from wearfem.liner.corners import SHARP, facet_area, find_corners, unworn
 from wearfem.liner.liner import Liner, node_normal, worn_face
 from wearfem.liner.mesh import LinerMesh, ShellMesh, SolidMesh
 from wearfem.liner.motion import follow
 from wearfem.liner.offset import Offset, offset, swept_by_corner
-from wearfem.liner.quality import determinant, quality
+from wearfem.liner.quality import POOR, determinant, quality
 
-POOR = 0.1  # quality below which the liner should be remeshed
 STEPS_OF_BISECTION = 12  # the share offered is right to 1 / 4096
 
 
@@ -217,18 +216,11 @@ def volume(mesh: LinerMesh) -> float:
     By the volume that a closed surface sweeps when it shrinks to a point, so to rounding: all that `recede` takes away is missing here.
     """
     if isinstance(mesh, SolidMesh):
-        return _enclosed(mesh.node, mesh.boundary)
+        return mesh.volume
     back = mesh.node + (mesh.offset - 0.5 * mesh.thickness)[:, None] * node_normal(mesh)
     face = worn_face(mesh)
     corners = find_corners(back, mesh.element, mesh.element[:0], whole=True)
     return float(-swept_by_corner(corners, back, face - back).sum())
-
-
-def _enclosed(node: np.ndarray, facet: np.ndarray) -> float:
-    centre = node[facet].mean(axis=(0, 1))
-    place, owner, weight = cover(facet)
-    a, b, c = np.moveaxis(node[np.take_along_axis(facet[owner], place, axis=1)] - centre, 1, 0)
-    return float(weight @ np.einsum("ti,ti->t", a, np.cross(b, c)) / 6.0)
 
 
 def removed_volume(old: LinerMesh, depth: np.ndarray) -> float:

@@ -4,8 +4,7 @@ Solids become tetrahedra, whatever they were; shells become triangles. Two grade
 meshes the inside again; `remesh` meshes the skin too, each smooth patch of it laid flat, so that new nodes lie on the old triangles.
 """
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -14,14 +13,15 @@ from scipy.spatial import cKDTree
 
 from wearfem.edges import neighbours, parts
 from wearfem.errors import UserError
+from wearfem.liner.corners import SHARP
 from wearfem.liner.liner import Liner
 from wearfem.liner.mesh import LinerMesh, ShellMesh, SolidMesh, find_facets, triangles
-from wearfem.liner.patches import SHARP, TURNED, Skin, skin
-from wearfem.liner.quality import worst
+from wearfem.liner.mesher import gmsh_model
+from wearfem.liner.patches import TURNED, Skin, skin
+from wearfem.liner.quality import POOR, worst
 from wearfem.liner.transfer import transfer, transfer_nodes
 from wearfem.surface import Surface
 
-LIMIT = 0.1  # [-] quality of the worst element below which `renew` makes new ones
 POINT, LINE, TRIANGLE, TETRAHEDRON = 15, 1, 2, 4  # gmsh's numbers of element types
 
 
@@ -35,7 +35,7 @@ class Change:
     quality_after: float
 
 
-def renew(liner: Liner, size: float, limit: float = LIMIT) -> Liner:
+def renew(liner: Liner, size: float, limit: float = POOR) -> Liner:
     """The liner itself while its worst element is no worse than `limit`; else refilled if that will do, else remeshed.
 
     Parameters
@@ -70,7 +70,7 @@ def refill(liner: Liner, size: float) -> Liner:
     if isinstance(mesh, ShellMesh):
         raise UserError(f"{mesh.name} is a shell, which has no inside to fill; use remesh.")
     boundary = skin(mesh)
-    with session(mesh.name, size) as gmsh:
+    with _session(mesh.name, size) as gmsh:
         _send(gmsh, boundary, with_curves=False)
         gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 1)
         _fill(gmsh, boundary, mesh.name)
@@ -121,7 +121,7 @@ def remesh(liner: Liner, size: float, sharp: float = SHARP) -> Liner:
     """
     mesh = liner.mesh
     old = skin(mesh, sharp)
-    with session(mesh.name, size) as gmsh:
+    with _session(mesh.name, size) as gmsh:
         _send(gmsh, old, with_curves=True)
         gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
         gmsh.option.setNumber("Mesh.MeshSizeMin", size)
@@ -257,26 +257,13 @@ def _failed(name: str, reason: str) -> str:
 # gmsh
 
 
-@contextmanager
-def session(name: str, size: float) -> Iterator[Any]:
-    """gmsh with an empty model, one thread (so that meshes repeat), and edges up to `size` [m]; a session that is open is left open."""
+def _session(name: str, size: float) -> AbstractContextManager[Any]:
+    """gmsh for edges up to `size` [m]"""
     if not 0.0 < size < np.inf:
         raise UserError(
             f"The size {size!r} m was given to mesh {name} again; give the edge length wanted, above 0 m."
         )
-    try:
-        import gmsh
-    except (ImportError, OSError) as error:
-        raise UserError(
-            f"gmsh cannot be loaded ({error}); install the system libraries that it needs (on Debian and Ubuntu: apt install libglu1-mesa)."
-        ) from error
-    fresh = not gmsh.isInitialized()
-    if fresh:
-        gmsh.initialize(readConfigFiles=False, interruptible=False)
-    gmsh.model.add(name)
-    for option, value in {
-        "General.Terminal": 0,
-        "General.NumThreads": 1,
+    options = {
         "Mesh.MeshSizeFromPoints": 0,
         "Mesh.MeshSizeMin": 0,
         "Mesh.MeshSizeMax": size,
@@ -284,14 +271,8 @@ def session(name: str, size: float) -> Iterator[Any]:
         "Mesh.Algorithm3D": 10,  # HXT, which keeps the triangles of the skin and takes a seventh of the time of Delaunay with Netgen
         "Mesh.Renumber": 0,  # nodes of the skin keep their numbers
         "Mesh.Optimize": 1,
-    }.items():
-        gmsh.option.setNumber(option, value)
-    try:
-        yield gmsh
-    finally:
-        gmsh.model.remove()
-        if fresh:
-            gmsh.finalize()
+    }
+    return gmsh_model(name, options)
 
 
 def _send(gmsh: Any, old: Skin, with_curves: bool) -> None:
