@@ -34,7 +34,7 @@ from wearfem.material import Interaction, Material
 from wearfem.report import draw_lines, picture
 from wearfem.surface import Surface
 from wearfem.units import GPa, MPa, day, degree, kg, kilotonne, mm, second
-from wearfem.verification.chute_theory import wear_rate
+from wearfem.verification.chute_theory import normal_force, speed, wear_rate
 from wearfem.wear.laws import Archard
 from wearfem.wear.sampling import standard_error
 
@@ -68,7 +68,8 @@ LAYERS = 2  # of elements through the thickness
 WARM_UP = 0.6  # [s] from the first particle to a steady stream
 BLOCK = 0.05  # [s] over which loads are summed for their standard error
 BINS = 12  # of zone 2, for the speed of the stream
-ENTRY_BAND = 1 * degree  # on both sides of zone 2's beginning, where its entry speed is taken
+BAND = 1 * degree  # on both sides of an angle, where the stream's speed is taken
+EXIT = ZONE_2[1] - BAND  # where the stream leaves zone 2
 REACH = 0.3  # [m] above the arc, within which particles are part of the stream
 
 STEEL = Material("steel", 7932.0, 78 * GPa, 0.3)
@@ -234,26 +235,17 @@ def in_zone(angle: np.ndarray, zone: int) -> np.ndarray:
     return np.digitize(angle, ZONE_2) == zone - 1
 
 
-# What a new chute's stream tells: rates of wear by zone, friction, speed.
+def zone_share(surface: Surface, zone: int) -> np.ndarray:
+    """(f,) [-] the part of each facet that lies in a zone, by angle: borders cut facets"""
+    low, high = (-np.inf, *ZONE_2, np.inf)[zone - 1 : zone + 1]
+    corner = angle_of(surface.corner.reshape(-1, 3)).reshape(-1, 3)
+    first, last = np.full(surface.facet_count, np.inf), np.full(surface.facet_count, -np.inf)
+    np.minimum.at(first, surface.facet, corner.min(axis=1))
+    np.maximum.at(last, surface.facet, corner.max(axis=1))
+    return np.clip(np.minimum(last, high) - np.maximum(first, low), 0.0, None) / (last - first)
 
 
-@dataclass(frozen=True)
-class Passage:
-    """A steady stream over one geometry, each number with its standard error; rates are scaled to the whole width."""
-
-    wear: tuple["Measured", ...]  # [m3/s] of zones 1, 2, 3
-    friction: "Measured"  # [-] mu_e of zone 2: force along the chute over normal force
-    entry_speed: "Measured"  # [m/s] of the stream's mass as it enters zone 2
-    sliding: "Measured"  # [m/s] at which the ore slides over zone 2, weighted by normal force
-    speed: "Measured"  # [m/s] of the stream's mass over zone 2, weighted by the same force
-    centre: float  # [m] of the stream's mass in zone 2 above the chute
-
-    @property
-    def slip(self) -> "Measured":
-        """[-] speed at which the ore slides on the chute over that of the stream"""
-        top, bottom = self.sliding, self.speed
-        value = top.value / bottom.value
-        return Measured(value, value * float(np.hypot(top.error / top.value, bottom.error / bottom.value)))
+# What a stream tells, beside the closed form.
 
 
 @dataclass(frozen=True)
@@ -262,6 +254,72 @@ class Measured:
 
     value: float
     error: float = 0.0
+
+    def over(self, other: "Measured") -> "Measured":
+        """The quotient of two that do not depend on one another."""
+        quotient = self.value / other.value
+        return Measured(
+            quotient, abs(quotient) * float(np.hypot(self.error / self.value, other.error / other.value))
+        )
+
+
+@dataclass(frozen=True)
+class Passage:
+    """A steady stream over one geometry; forces and rates are those of the whole width."""
+
+    wear: tuple[Measured, ...]  # [m3/s] of zones 1, 2, 3
+    normal_force: Measured  # [N] on zone 2
+    friction: Measured  # [-] mu_e of zone 2: force along the chute over normal force
+    entry_speed: Measured  # [m/s] of the stream's mass where zone 2 begins
+    exit_speed: Measured  # [m/s] of the stream's mass before zone 2 ends, at `EXIT`
+    sliding: Measured  # [m/s] at which ore slides over zone 2, weighted by normal force
+    speed: Measured  # [m/s] of the stream's mass over zone 2, weighted by the same force
+    centre: float  # [m] of the stream's mass in zone 2 above the chute
+
+    @property
+    def slip(self) -> Measured:
+        """[-] speed at which ore slides over the chute, over that of the stream"""
+        return self.sliding.over(self.speed)
+
+
+def passage(stream: Stream, surface: Surface, loads: FacetLoads, snapshots: Sequence[Flow]) -> Passage:
+    """What loads (by block) and snapshots of the same time tell of a stream over `surface`."""
+    share, angle = zone_share(surface, 2), facet_angle(surface)
+    normal = loads.normal_impulse @ share
+    dragged = np.einsum("bfi,fi,f->b", loads.tangential_impulse, along(angle), share)
+    seen = [_moving(flow) for flow in snapshots]
+
+    def mean_speed(low: float, high: float) -> Measured:
+        inside = [((a >= low) & (a < high), v, m) for a, v, m, _ in seen]
+        return ratio(
+            np.array([m[i] @ v[i] for i, v, m in inside]), np.array([m[i].sum() for i, _, m in inside])
+        )
+
+    edges = np.linspace(*ZONE_2, BINS + 1)
+    part = [mean_speed(low, high) for low, high in pairwise(edges)]
+    force = np.bincount(np.digitize(angle, edges[1:-1]), loads.normal_impulse.sum(axis=0) * share, BINS)
+    weight = force / force.sum()
+    height = [(m @ h, m.sum()) for m, h in ((m[in_zone(a, 2)], h[in_zone(a, 2)]) for a, _, m, h in seen)]
+    return Passage(
+        wear=zone_wear(Archard(SPECIFIC_WEAR_RATE).depth_rate(loads), surface, stream),
+        normal_force=ratio(normal / stream.share, loads.duration),
+        friction=ratio(dragged, normal),
+        entry_speed=mean_speed(ZONE_2[0] - BAND, ZONE_2[0] + BAND),
+        exit_speed=mean_speed(EXIT - BAND, EXIT + BAND),
+        sliding=ratio(loads.load_distance @ share, normal),
+        speed=Measured(
+            float(weight @ [one.value for one in part]),
+            float(np.linalg.norm(weight * [one.error for one in part])),
+        ),
+        centre=float(np.divide(*np.sum(height, axis=0))),
+    )
+
+
+def zone_wear(rate: np.ndarray, surface: Surface, stream: Stream) -> tuple[Measured, ...]:
+    """Volume rates [m3/s] of the three zones of the whole width from depth rates (b, f) [m/s] by block."""
+    volume = rate * surface.facet_area / stream.share
+    zones = (volume @ zone_share(surface, zone) for zone in (1, 2, 3))
+    return tuple(Measured(float(one.mean()), float(standard_error(one[:, None])[0])) for one in zones)
 
 
 def ratio(top: np.ndarray, bottom: np.ndarray) -> Measured:
@@ -277,46 +335,6 @@ def along(angle: np.ndarray) -> np.ndarray:
     return np.column_stack([np.sin(turned), np.zeros_like(turned), -np.cos(turned)])
 
 
-def zone_wear(rate: np.ndarray, surface: Surface, stream: Stream) -> tuple[Measured, ...]:
-    """Volume rates [m3/s] of the three zones of the whole width from depth rates (b, f) [m/s] by block."""
-    volume = rate * surface.facet_area / stream.share
-    angle = facet_angle(surface)
-    zones = (volume[:, in_zone(angle, zone)].sum(axis=1) for zone in (1, 2, 3))
-    return tuple(Measured(float(one.mean()), float(standard_error(one[:, None])[0])) for one in zones)
-
-
-def passage(stream: Stream, surface: Surface, loads: FacetLoads, snapshots: Sequence[Flow]) -> Passage:
-    """What loads (by block) and snapshots of the same time tell of a stream over `surface`."""
-    angle = facet_angle(surface)
-    two = in_zone(angle, 2)
-    normal = loads.normal_impulse[:, two].sum(axis=1)
-    dragged = np.einsum("bfi,fi->b", loads.tangential_impulse[:, two], along(angle[two]))
-    seen = [_moving(flow) for flow in snapshots]
-
-    def mean_speed(inside: Callable[[np.ndarray], np.ndarray]) -> Measured:
-        sums = np.array([(m[inside(a)] @ v[inside(a)], m[inside(a)].sum()) for a, v, m, _ in seen])
-        return ratio(sums[:, 0], sums[:, 1])
-
-    edges = np.linspace(*ZONE_2, BINS + 1)
-    bins = [
-        mean_speed(lambda a, low=low, high=high: (a >= low) & (a < high)) for low, high in pairwise(edges)
-    ]
-    place = np.digitize(angle[two], edges[1:-1])
-    weight = np.bincount(place, loads.normal_impulse[:, two].sum(axis=0), BINS) / normal.sum()
-    height = np.array([(m[in_zone(a, 2)] @ h[in_zone(a, 2)], m[in_zone(a, 2)].sum()) for a, _, m, h in seen])
-    return Passage(
-        wear=zone_wear(Archard(SPECIFIC_WEAR_RATE).depth_rate(loads), surface, stream),
-        friction=ratio(dragged, normal),
-        entry_speed=mean_speed(lambda a: np.abs(a - ZONE_2[0]) < ENTRY_BAND),
-        sliding=ratio(loads.load_distance[:, two].sum(axis=1), normal),
-        speed=Measured(
-            float(weight @ [one.value for one in bins]),
-            float(np.linalg.norm(weight * [one.error for one in bins])),
-        ),
-        centre=float(height[:, 0].sum() / height[:, 1].sum()),
-    )
-
-
 def _moving(flow: Flow) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Angle [rad], speed down the chute [m/s], mass [kg] and height above the chute [m] of the particles near the arc"""
     p = flow.particles
@@ -326,29 +344,30 @@ def _moving(flow: Flow) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
     return angle, (p.velocity[near] * along(angle)).sum(axis=1), p.mass[near], height[near]
 
 
-def theory(stream: Passage, slip: float = 1.0) -> Measured:
-    """Zone 2's rate of wear [m3/s] in closed form, at the friction and the entry speed of a stream, with their standard errors.
+@dataclass(frozen=True)
+class Theory:
+    """Zone 2 in closed form, at the friction, entry speed and radius of a stream; standard errors are those of the former two."""
 
-    R is that of the stream's centre of mass; `slip` [-]: see `wear_rate`.
-    """
+    wear: Measured  # [m3/s] of a stream that slides as a block
+    normal_force: Measured  # [N]
+    exit_speed: Measured  # [m/s] at `EXIT`
 
-    def rate(friction: float, speed: float) -> float:
-        return wear_rate(
-            *ZONE_2,
-            friction=friction,
-            radius=RADIUS - stream.centre,
-            start_angle=ZONE_2[0],
-            start_speed=speed,
-            mass_rate=FEED_RATE,
-            specific_wear_rate=SPECIFIC_WEAR_RATE,
-            slip=lambda angle: slip,
-        )
+
+def theory(stream: Passage) -> Theory:
+    """Zone 2 in closed form, with R that of the stream's centre of mass."""
+
+    def told(friction: float, entry: float) -> np.ndarray:
+        start = {
+            "friction": friction, "radius": RADIUS - stream.centre, "start_angle": ZONE_2[0], "start_speed": entry,
+        }  # fmt: skip
+        worn = wear_rate(*ZONE_2, mass_rate=FEED_RATE, specific_wear_rate=SPECIFIC_WEAR_RATE, **start)
+        return np.array([worn, normal_force(*ZONE_2, mass_rate=FEED_RATE, **start), speed(EXIT, **start)])
 
     mu, v = stream.friction, stream.entry_speed
-    middle = rate(mu.value, v.value)
-    by_friction = rate(mu.value + mu.error, v.value) - middle
-    by_speed = rate(mu.value, v.value + v.error) - middle
-    return Measured(middle, float(np.hypot(by_friction, by_speed)))
+    middle = told(mu.value, v.value)
+    by_friction = told(mu.value + mu.error, v.value) - middle
+    by_speed = told(mu.value, v.value + v.error) - middle
+    return Theory(*map(Measured, middle.tolist(), np.hypot(by_friction, by_speed).tolist()))
 
 
 # The case.

@@ -55,12 +55,15 @@ def new_chute(settings: Mapping[str, Any], seconds: float) -> dict[str, Any]:
         f"zone {zone} [1e-10 m3/s]": (1e10 * one.value, 1e10 * one.error)
         for zone, one in enumerate(told.wear, 1)
     }
+    closed = module.theory(told)
     for name, one, factor in (
+        ("zone 2, closed form [1e-10 m3/s]", closed.wear, 1e10),
+        ("zone 2 over closed form [-]", told.wear[1].over(closed.wear), 1.0),
+        ("sliding over stream speed [-]", told.slip, 1.0),
+        ("normal force over closed form [-]", told.normal_force.over(closed.normal_force), 1.0),
+        ("exit speed over closed form [-]", told.exit_speed.over(closed.exit_speed), 1.0),
         ("mu_e [-]", told.friction, 1.0),
         ("entry speed [m/s]", told.entry_speed, 1.0),
-        ("sliding over stream speed [-]", told.slip, 1.0),
-        ("closed form [1e-10 m3/s]", module.theory(told), 1e10),
-        ("closed form x slip [1e-10 m3/s]", module.theory(told, told.slip.value), 1e10),
     ):
         found[name] = (factor * one.value, factor * one.error)
     return {

@@ -1,7 +1,7 @@
 """A thin stream of bulk material down a curved chute: its speed and the sliding wear below it, in closed form.
 
-The stream moves along an arc of radius R, at the angle theta from the horizontal through the centre: theta = 0 where it falls straight down,
-90 degrees at the bottom. Along the arc gravity pulls with g cos(theta), into the chute with g sin(theta); the chute presses with
+The stream moves along an arc of radius R, at the angle theta from the horizontal through the centre: theta = 0 where it falls straight
+down, 90 degrees at the bottom. Along the arc gravity pulls with g cos(theta), into the chute with g sin(theta); the chute presses with
 
     N / m = v^2 / R + g sin(theta)
 
@@ -15,8 +15,6 @@ and holds back by mu_e times that. So with v dv = a R dtheta
 wear reduction of bulk solids handling equipment using bionic design, eq. 3-11: their eq. 9 as printed lacks `+ 3 mu_e cos(theta)`,
 their eq. 11 has it. With it their numbers give 1.69e-10 m3/s, as they print (1.68e-10); without it 0.90e-10.
 """
-
-from collections.abc import Callable
 
 import numpy as np
 from scipy.integrate import quad
@@ -53,6 +51,29 @@ def speed(angle: float, friction: float, radius: float, start_angle: float, star
     return float(np.sqrt(square))
 
 
+def normal_force(
+    begin: float,
+    end: float,
+    *,
+    friction: float,
+    radius: float,
+    start_angle: float,
+    start_speed: float,
+    mass_rate: float,
+) -> float:
+    """Force [N] with which a stream of q = `mass_rate` [kg/s] presses between two angles [rad], by quadrature.
+
+    A length R dtheta holds the mass q R dtheta / v, so the force is q times the integral of (v + g R sin(theta) / v) dtheta.
+    Parameters are those of `speed`.
+    """
+
+    def pressing(theta: float) -> float:
+        v = speed(theta, friction, radius, start_angle, start_speed)
+        return v + GRAVITY * radius * float(np.sin(theta)) / v
+
+    return mass_rate * float(quad(pressing, begin, end)[0])
+
+
 def wear_rate(
     begin: float,
     end: float,
@@ -63,9 +84,10 @@ def wear_rate(
     start_speed: float,
     mass_rate: float,
     specific_wear_rate: float,
-    slip: Callable[[float], float] = lambda theta: 1.0,
 ) -> float:
-    """Volume [m3/s] worn off between two angles [rad]: k q times the integral of slip (v^2 + g R sin(theta)) dtheta, by quadrature.
+    """Volume [m3/s] that a stream wears off between two angles [rad]: k q times the integral of (v^2 + g R sin(theta)) dtheta.
+
+    What presses slides with the speed of the stream: a stream that moves as a block. By quadrature.
 
     Parameters
     ----------
@@ -75,12 +97,11 @@ def wear_rate(
         q [kg/s] of the stream.
     specific_wear_rate
         k [m2/N]: volume worn off by a unit of normal force over a unit of sliding.
-    slip
-        Speed at which the stream's lowest layer slides over the chute, over the stream's speed [-]; 1 for a stream that moves as a block.
     """
 
-    def pressing_over_mass_times_radius(theta: float) -> float:
-        v = speed(theta, friction, radius, start_angle, start_speed)
-        return slip(theta) * (v * v + GRAVITY * radius * float(np.sin(theta)))
+    def power(theta: float) -> float:
+        return speed(theta, friction, radius, start_angle, start_speed) ** 2 + GRAVITY * radius * float(
+            np.sin(theta)
+        )
 
-    return specific_wear_rate * mass_rate * quad(pressing_over_mass_times_radius, begin, end)[0]
+    return specific_wear_rate * mass_rate * float(quad(power, begin, end)[0])
