@@ -530,7 +530,12 @@ def _draw_side(axes: Any, flow: Flow, surface: Surface, row: np.ndarray, thickne
         back = ends - DRAWN * left * surface.normal[chosen][0, [0, 2]]
         plates.append(np.concatenate([ends, back[::-1]]))
     chute = PolyCollection(
-        plates, array=thickness, cmap="inferno", clim=(np.floor(thickness.min()), 1e3 * THICKNESS)
+        plates,
+        array=thickness,
+        cmap="inferno",
+        edgecolors="face",
+        linewidths=0.3,
+        clim=(np.floor(thickness.min()), 1e3 * THICKNESS),
     )
     axes.add_collection(chute)
     axes.add_collection(circles)
