@@ -225,8 +225,8 @@ def thickness_at_stress(
     told = np.isfinite(stress) & np.isfinite(thickness) & (stress > 0.0)
     if told.sum() < FEWEST_STRESSES:
         raise UserError(
-            f"a stress limit of {1e-6 * limit:.4g} MPa was given, and {told.sum()} cycles tell a stress: {FEWEST_STRESSES} are needed, of a "
-            "case with a structure, to see how it grows"
+            f"a stress limit of {1e-6 * limit:.4g} MPa was given, and {told.sum()} cycles tell a stress: {FEWEST_STRESSES} are needed, "
+            "of a case with a structure, to see how it grows"
         )
     if not limit > stress[told][-1]:
         raise UserError(

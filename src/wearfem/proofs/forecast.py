@@ -9,6 +9,7 @@ from scipy.integrate import quad
 
 from wearfem.case import LifeCase, Stop
 from wearfem.forecast import ZoneLife, forecast
+from wearfem.formula import Sliding
 from wearfem.history import History
 from wearfem.proof import Claim
 from wearfem.proofs.cycle import ALLOWED, RATE, lived, plate
@@ -63,6 +64,7 @@ def synthetic(kind: str, seed: int, common: float, own: float, cells: int = 4) -
         "bulge": Feedback(bulge=random.uniform(-0.5, 1.0)),
     }.get(kind, Feedback())
     case, _ = plate(law=law, seed=seed, cells=cells)
+    assert isinstance(case.sampler, Sliding)
     sampler = replace(case.sampler, noise=common, facet_noise=own, intensity=feedback)
     factor = {
         "constant": lambda d: 1.0,
