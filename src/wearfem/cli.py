@@ -186,12 +186,14 @@ def forecast(path: Path, out: Path | None, json_file: Path | None, **asked: Any)
 @wearfem.command()
 @click.argument("run", type=Path)
 @click.option("--out", type=Path, metavar="FILE", help="The page to write; report.html in RUN if not given.")
+@forecast_options
 @json_option
-def report(run: Path, out: Path | None, json_file: Path | None) -> None:
+def report(run: Path, out: Path | None, json_file: Path | None, **asked: Any) -> None:
     """Write one page on a life, for the planner of maintenance; it needs no network and prints well."""
+    from wearfem.foretell import asked_for
     from wearfem.report_page import write_report
 
-    write_report(run, out, json_file)
+    write_report(run, out, json_file, asked_for(**asked))
 
 
 @wearfem.command()
