@@ -2,8 +2,9 @@
 
 import os
 import sys
+from collections.abc import Callable
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import click
 
@@ -145,15 +146,54 @@ def study(
     return int(any(row.status == "failed" for row in rows))
 
 
+def forecast_options(command: Callable[..., None]) -> Callable[..., None]:
+    """The options of a forecast, for every command that makes one; they come as keywords."""
+    options = [
+        click.option("--limit", default="", metavar="LENGTH", help="Thickness at which the liner is changed, like 8*mm."),
+        click.option("--stress-limit", default="", metavar="STRESS", help="Largest von Mises stress allowed, like 250*MPa."),
+        click.option("--next-stop", default="", metavar="WHEN", help="Service time or throughput since new, like 600*hour or 60*kt."),
+        click.option("--coefficient-error", default="", metavar="PART", help="Doubt of the wear coefficient, one deviation, like 0.1."),
+        click.option("--calibration", type=Path, metavar="FILE", help="The same from what wearfem calibrate --json wrote."),
+        click.option("--study", type=Path, metavar="DIR", help="Mesh error from a study of the case over a mesh size."),
+        click.option("--frozen", type=Path, metavar="RUN", help="A run of the case with frozen geometry, to be shown beside."),
+        click.option("--price", type=float, metavar="MONEY", help="Of a new liner, fitted; needed for costs."),
+        click.option("--unplanned-price", type=float, metavar="MONEY", help="Of a stop that nobody planned, beside standing."),
+        click.option("--hour-price", type=float, metavar="MONEY", help="Of an hour in which the plant stands."),
+        click.option("--planned-hours", type=float, metavar="HOURS", help="That the plant stands for a planned change."),
+        click.option("--unplanned-hours", type=float, metavar="HOURS", help="That it stands when the liner fails."),
+        click.option("--currency", default="", metavar="WORD", help="Of the prices, like EUR."),
+    ]  # fmt: skip
+    for option in reversed(options):
+        command = option(command)
+    return command
+
+
+@wearfem.command()
+@click.argument("path", type=Path)
+@forecast_options
+@click.option("--out", type=Path, metavar="FILE", help="Also write what is printed to FILE.")
+@json_option
+def forecast(path: Path, out: Path | None, json_file: Path | None, **asked: Any) -> None:
+    """Foretell the life of a run by zone, with its interval, beside the straight line and frozen geometry.
+
+    PATH is the folder of a life that has run for two cycles or more.
+    """
+    from wearfem.foretell import asked_for, forecast_run
+
+    forecast_run(path, asked_for(**asked), out, json_file)
+
+
 @wearfem.command()
 @click.argument("run", type=Path)
 @click.option("--out", type=Path, metavar="FILE", help="The page to write; report.html in RUN if not given.")
+@forecast_options
 @json_option
-def report(run: Path, out: Path | None, json_file: Path | None) -> None:
+def report(run: Path, out: Path | None, json_file: Path | None, **asked: Any) -> None:
     """Write one page on a life, for the planner of maintenance; it needs no network and prints well."""
+    from wearfem.foretell import asked_for
     from wearfem.report_page import write_report
 
-    write_report(run, out, json_file)
+    write_report(run, out, json_file, asked_for(**asked))
 
 
 @wearfem.command()
