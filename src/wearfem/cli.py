@@ -209,20 +209,28 @@ def calibrate(
 @progress_option
 @exposure_option
 @run_option
-@click.option("--out", type=Path, metavar="DIR", help="A folder for diagnosis.json.")
+@click.option(
+    "--limit",
+    metavar="VALUE",
+    help='What must be left of a plate, or may be lost, as in "8*mm": tell its life.',
+)
+@click.option("--next-stop", metavar="VALUE", help='Service until the next stop, as in "1200*kt".')
+@click.option("--out", type=Path, metavar="DIR", help="A folder for report.html and the figures as JSON.")
 @json_option
 def diagnose(
     survey: Path,
     progress: str,
     exposure: Path | None,
     run_folder: Path | None,
+    limit: str | None,
+    next_stop: str | None,
     out: Path | None,
     json_file: Path | None,
 ) -> None:
     """Say what the model of a SURVEY (CSV) lacks, how sure that is, and what to measure next."""
     from wearfem.measured import diagnose_survey
 
-    diagnose_survey(survey, progress, exposure, run_folder, out, json_file)
+    diagnose_survey(survey, progress, exposure, run_folder, out, json_file, limit, next_stop)
 
 
 def main() -> None:

@@ -7,8 +7,8 @@ plate l at progress t, as a gauge without errors would read it, is
 
 the model, the plate's own rate, its new thickness, and the tonnage book (see `nuisance.py`). Zero and scale errors of campaigns are the
 gauge's and no wear. The future is like the past: intervals are as long as the median one, each with its own error of the book. What is
-the same at all places (ore, weather) comes again as it was from some occasion on, drawn by chance, since warm months follow one another;
-what belongs to a place stays as it was last.
+the same at all places (ore, weather, days by unit of service) comes again as it was from some occasion on, drawn by chance, since warm
+months follow one another; what belongs to a place stays as it was last.
 """
 
 from collections.abc import Sequence
@@ -23,6 +23,7 @@ from wearfem.survey.history import History, depths
 from wearfem.survey.identify import Fit, Readings, model_at
 from wearfem.survey.nuisance import covariance
 from wearfem.survey.survey import Survey
+from wearfem.units import day
 
 SHARE = 0.80  # of the draws that an interval holds
 DRAWS = 1000  # the end of an 80 % interval is known to 0.08 standard deviations
@@ -44,8 +45,8 @@ class Outlook:
     worn
         (3, c, f) [SI] low end of the interval, median and high end of the wear of each plate in service at `Forecast.progress`.
     end
-        (s, c) progress at which each plate comes to the limit, draw by draw; infinite where it does not within reach, not-a-number where the
-        model has nothing to say (no line through no reading).
+        (s, c) progress at which each plate comes to the limit, draw by draw; infinite where it does not within reach, not-a-number
+        where the model has nothing to say (no line through no reading).
     """
 
     name: str
@@ -92,6 +93,14 @@ class Forecast:
         """Progress at the last reading"""
         return float(self.progress[0])
 
+    @property
+    def days(self) -> float | None:
+        """Calendar days by unit of progress so far; None where nobody wrote them down"""
+        days = self.survey.feature.get("days")
+        if days is None or not np.isfinite(days).any() or not self.now > 0.0:
+            return None
+        return float(np.nanmax(days)) / day / float(self.survey.progress[np.nanargmax(days)])
+
     def of_place(self, outlook: Outlook, place: str) -> "End":
         """When the first plate at a point comes to the limit."""
         return self._least(outlook, place, self.places)
@@ -102,19 +111,32 @@ class Forecast:
 
     def _least(self, outlook: Outlook, name: str, names: Sequence[str]) -> "End":
         here = outlook.end[:, np.array(names) == name]
-        known = np.isfinite(here).any(axis=0) | np.isinf(here).any(axis=0)
+        known = ~np.isnan(here).any(axis=0)
         if not known.any():
-            return End(name, np.nan, (np.nan, np.nan), None)
+            return End(name, np.nan, (np.nan, np.nan), np.nan, None)
         return end_of(name, here[:, known].min(axis=1), self.next_stop)
 
 
 @dataclass(frozen=True)
 class End:
-    """When a plate or a zone comes to the limit: median and 80 % interval [progress], and how surely not before the next stop [-]."""
+    """When a plate or a zone comes to the limit.
+
+    Parameters
+    ----------
+    place
+        Its name.
+    median, interval
+        [progress] of the draws, and what holds 80 % of them; infinite beyond reach, not-a-number where a model has nothing to say.
+    beyond
+        [-] share of the draws that do not come to the limit within reach.
+    reaches
+        [-] probability that it lasts longer than to the next stop; None where none is asked.
+    """
 
     place: str
     median: float
     interval: tuple[float, float]
+    beyond: float
     reaches: float | None
 
 
@@ -124,7 +146,7 @@ def end_of(place: str, draws: np.ndarray, next_stop: float | None) -> End:
         draws, [0.5 - 0.5 * SHARE, 0.5, 0.5 + 0.5 * SHARE], method="closest_observation"
     )
     reaches = None if next_stop is None else float(np.mean(draws > next_stop))
-    return End(place, float(median), (float(low), float(high)), reaches)
+    return End(place, float(median), (float(low), float(high)), float(np.mean(np.isinf(draws))), reaches)
 
 
 def forecast(
@@ -243,22 +265,23 @@ def _draws(fitted: Fit, progress: np.ndarray, count: int, random: np.random.Gene
     inverse = cho_solve((known.factor, True), np.eye(len(size)))
     gain = size[:, None] * (inverse @ (known.scaled / (spread.gauge * np.sqrt(found.weight))[:, None]).T)
     root = size[:, None] * solve_triangular(known.factor, np.eye(len(size)), lower=True, trans="T")
-    interval = np.floor((0.5 * (progress[1:] + progress[:-1]) - progress[0]) / typical_interval(data.survey))
-    interval = interval.astype(int)
+    middle = 0.5 * (progress[1:] + progress[:-1]) - progress[0]
+    interval: np.ndarray = np.floor(middle / typical_interval(data.survey)).astype(int)
     seen = np.unique(past.occasion[past.end > past.begin])
     worn = np.empty((count, lives, len(progress)))
     for s, coordinate in enumerate(posterior(fitted, count, random)):
         drawn = seen[(random.integers(len(seen)) + interval) % len(seen)]
-        depth = depths(carried_on(past, progress, drawn), model_at(data, fitted.suspects, coordinate))
+        depth = depths(carried_on(past, progress, drawn, random), model_at(data, fitted.suspects, coordinate))
         left = data.worn - past.of_rows(depth[:, :served])
         nuisance = gain @ left + root @ random.normal(size=len(size))
-        rate, new = random.normal(0.0, spread.scatter, lives), random.normal(0.0, spread.initial, lives)
-        book = random.normal(0.0, spread.book, occasions)
+        rate = spread.scatter * random.standard_normal(lives)
+        new = spread.initial * random.standard_normal(lives)
+        book = spread.book * random.standard_normal(occasions)
         for kind, told in ((2, rate), (1, new), (4, new), (3, book)):
             own = (found.group == kind) & (found.label < len(told))
             told[found.label[own]] = nuisance[own]
         new += nuisance[(found.group == 4) & (found.label == lives)].sum()  # common to all plates
-        later = np.append(0.0, random.normal(0.0, spread.book, interval.max(initial=0) + 1)[interval])
+        later = np.append(0.0, (spread.book * random.standard_normal(interval.max(initial=0) + 1))[interval])
         wrong = np.concatenate([book[past.occasion], np.tile(later, (lives, 1))], axis=1)
         growth = np.diff(depth, axis=1, prepend=0.0)
         total = depth * (1.0 + rate[:, None]) + new[:, None] + np.cumsum(growth * wrong, axis=1)
@@ -297,7 +320,9 @@ def posterior(fitted: Fit, count: int, random: np.random.Generator) -> np.ndarra
     return drawn
 
 
-def carried_on(past: History, progress: np.ndarray, drawn: np.ndarray) -> History:
+def carried_on(
+    past: History, progress: np.ndarray, drawn: np.ndarray, random: np.random.Generator
+) -> History:
     """The history with intervals that end at `progress` (f,) after it; `drawn` (f - 1,) are occasions whose weather and ore come again.
 
     The first interval goes from a plate's own last reading to the last of the survey.
@@ -312,17 +337,18 @@ def carried_on(past: History, progress: np.ndarray, drawn: np.ndarray) -> Histor
     rows = np.arange(lives)[:, None]
 
     def more(value: np.ndarray) -> np.ndarray:
-        chosen = again if _same_everywhere(past, value, used) else np.tile(last[:, None], (1, len(progress)))
-        return np.concatenate([value, value[rows, chosen]], axis=1)
+        if not _same_everywhere(past, value, used):
+            return np.concatenate([value, value[rows, np.tile(last[:, None], (1, len(progress)))]], axis=1)
+        return np.concatenate(
+            [value, _as_seldom_seen(value[rows, again], value[used], past.occasion[used], random)], axis=1
+        )
 
     end = np.concatenate([past.end, np.tile(progress, (lives, 1))], axis=1)
     begin = np.concatenate([past.begin, past.end[:, -1:], end[:, served:-1]], axis=1)
     calendar = None
     if past.calendar is not None:
-        passed = np.where(used, past.end - past.begin, 0.0).sum(axis=1)
-        pace = np.divide(past.calendar.sum(axis=1), passed, out=np.zeros(lives), where=passed > 0.0)
-        pace[passed == 0.0] = np.median(pace[passed > 0.0])
-        calendar = np.concatenate([past.calendar, pace[:, None] * (end - begin)[:, served:]], axis=1)
+        pace = more(past.calendar / np.where(used, past.end - past.begin, 1.0))[:, served:]
+        calendar = np.concatenate([past.calendar, pace * (end - begin)[:, served:]], axis=1)
     occasion = np.concatenate([past.occasion, past.occasion[rows, again]], axis=1)
     return replace(
         past, begin=begin, end=end, exposure=more(past.exposure), calendar=calendar, occasion=occasion,
@@ -330,11 +356,32 @@ def carried_on(past: History, progress: np.ndarray, drawn: np.ndarray) -> Histor
     )  # fmt: skip
 
 
+def _as_seldom_seen(
+    again: np.ndarray, seen: np.ndarray, occasion: np.ndarray, random: np.random.Generator
+) -> np.ndarray:
+    """Values that come again (l, f), as uncertain as so few occasions leave their mean and their spread.
+
+    Deviations from the mean of n occasions grow by sqrt(n / (n - 1)), and the mean has an error of the spread over sqrt(n), one for all
+    that is to come; of logarithms where all values are positive.
+    """
+    positive = bool((seen > 0.0).all())
+    known = np.log(seen) if positive else seen
+    each = np.array([known[occasion == j].mean() for j in np.unique(occasion)])
+    n = len(each)
+    if n < 2:
+        return again
+    value = np.log(np.maximum(again, seen.min())) if positive else again
+    shifted = each.mean() + np.sqrt(n / (n - 1)) * (value - each.mean())
+    shifted = shifted + np.std(each, ddof=1) / np.sqrt(n) * random.normal()
+    return np.exp(shifted) if positive else shifted
+
+
 def _same_everywhere(past: History, value: np.ndarray, used: np.ndarray) -> bool:
     """Whether a feature (l, m) is the same at all places, occasion by occasion: ore or weather, and not a state of the place"""
     if value.ndim > 2:
         return False
-    return all(np.ptp(value[used & (past.occasion == j)]) == 0.0 for j in np.unique(past.occasion[used]))
+    least = 1e-9 * float(np.abs(value[used]).max(initial=0.0))
+    return all(np.ptp(value[used & (past.occasion == j)]) <= least for j in np.unique(past.occasion[used]))
 
 
 def lines_ahead(
@@ -398,8 +445,8 @@ def _check_limit(data: Readings, plates: np.ndarray, allowed: np.ndarray, limit:
     )
     if (last >= allowed).all():
         raise UserError(
-            f"{said}, which all plates in service have passed (the extreme reading is {extreme / factor:.4g} {unit}); there is no life left "
-            "to tell. Check the limit and its unit"
+            f"{said}, which all plates in service have passed (the extreme reading is {extreme / factor:.4g} {unit}); "
+            "there is no life left to tell. Check the limit and its unit"
         )
 
 
