@@ -1,15 +1,16 @@
 """What the commands `calibrate`, `diagnose` and `forecast` do with a survey: read, compute, say it in words, write it down."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from wearfem.diagnosis_page import PAGE, write_page
-from wearfem.errors import UserError
-from wearfem.record import require_writable, write_json
-from wearfem.settings import parse_value
+from wearfem.errors import UserError, in_words
+from wearfem.foretell import quantity
+from wearfem.record import require_writable, whole_file, write_json
 from wearfem.survey.backtest import BackTest, back_test
 from wearfem.survey.calibrate import calibrate
-from wearfem.survey.columns import column
+from wearfem.survey.columns import UNITS, column
 from wearfem.survey.diagnose import diagnose
 from wearfem.survey.forecast import Forecast, forecast
 from wearfem.survey.survey import Survey, read_survey
@@ -23,6 +24,14 @@ from wearfem.survey.words import (
     forecast_lines,
     forecast_values,
 )
+
+LIKE = {
+    "g": "8*gram",
+    "mg": "8*gram",
+    "kg": "8*kg",
+    "mm3": "8*mm**3",
+    "cm3": "8*cm**3",
+}  # limits as one types them
 
 
 def calibrate_survey(
@@ -45,8 +54,8 @@ def diagnose_survey(
     run: Path | None,
     out: Path | None,
     json_file: Path | None,
-    limit: str | None = None,
-    next_stop: str | None = None,
+    limit: str = "",
+    next_stop: str = "",
 ) -> None:
     """Print the diagnosis of a survey, and write it where asked; into a folder with forecast, back-test and one page."""
     read = _read(survey, progress, exposure, run)
@@ -59,7 +68,7 @@ def diagnose_survey(
         require_writable(out / PAGE)
     for file in files:
         require_writable(file)
-    asked = limit_of(limit), stop_of(next_stop, read)
+    asked = limit_of(limit, read), stop_of(next_stop, read)
     found = diagnose(read)
     print("\n".join(diagnosis_lines(found)), flush=True)
     ahead = forecast(found.choice, *asked)
@@ -78,59 +87,77 @@ def diagnose_survey(
 
 def forecast_survey(
     survey: Path,
-    limit: str | None,
-    next_stop: str | None,
-    progress: str = "",
-    exposure: Path | None = None,
-    run: Path | None = None,
-    json_file: Path | None = None,
+    asked: Mapping[str, Any],
+    progress: str,
+    exposure: Path | None,
+    out: Path | None,
+    json_file: Path | None,
 ) -> None:
-    """Print when the plates of a survey come to a limit, and what earlier forecasts would have been worth; write it where asked."""
-    read = _read(survey, progress, exposure, run)
-    if limit is None:
-        quantity, unit = read.measured_name.removesuffix(f"_{read.measured_unit}"), read.measured_unit
+    """Print when the plates of a survey come to a limit, and what earlier forecasts would have been worth; write it where asked.
+
+    Of what was `asked` on the command line only `limit` and `next_stop` make sense; the rest is refused.
+    """
+    read = _read(survey, progress, exposure, None)
+    more = [
+        name
+        for name, value in asked.items()
+        if name not in ("limit", "next_stop") and value not in ("", None)
+    ]
+    if more:
+        words = in_words([f"--{name.replace('_', '-')}" for name in more])
         raise UserError(
-            f"{survey} is a survey, and no limit was given; give the {quantity} at which a plate is worn out, as in "
-            f'--limit "8*{unit if unit in ("mm", "um", "cm") else "gram"}"'
+            f"{survey} is a survey, and {words} is for runs; of a survey give --limit and --next-stop"
         )
-    if json_file:
-        require_writable(json_file)
-    asked = limit_of(limit), stop_of(next_stop, read)
+    if not asked["limit"]:
+        measured, unit = read.measured_name.removesuffix(f"_{read.measured_unit}"), read.measured_unit
+        raise UserError(
+            f"{survey} is a survey, and no limit was given; give the {measured.replace('_', ' ')} at which a plate is worn out, like "
+            f"--limit {LIKE.get(unit, '8*mm')}"
+        )
+    for file in filter(None, (out, json_file)):
+        require_writable(file)
+    limit, next_stop = limit_of(asked["limit"], read), stop_of(asked["next_stop"], read)
     found = diagnose(read, name_without=False)
-    ahead = forecast(found.choice, *asked)
-    print("\n".join(forecast_lines(ahead)), flush=True)
+    ahead = forecast(found.choice, limit, next_stop)
+    lines = forecast_lines(ahead)
+    print("\n".join(lines), flush=True)
     tested = back_test(read)
-    print("\n".join(back_test_lines(tested, read)))
+    more = back_test_lines(tested, read)
+    print("\n".join(more))
+    if out:
+        with whole_file(out) as temporary:
+            temporary.write_text("\n".join([*lines, *more, ""]), encoding="utf-8")
     if json_file:
         write_json(json_file, _told(ahead, tested, read))
-        print(f"wrote {json_file}")
+    for file in filter(None, (out, json_file)):
+        print(f"wrote {file}")
 
 
 def _told(ahead: Forecast, tested: BackTest, survey: Survey) -> dict[str, Any]:
     return {"forecast": forecast_values(ahead), "back_test": back_test_values(tested, survey)}
 
 
-def limit_of(text: str | None) -> float | None:
-    """A limit [SI of what was measured] from what was typed, `8*mm`."""
-    return None if text is None else _number("--limit", text)
+def limit_of(text: str, survey: Survey) -> float | None:
+    """A limit [SI of what was measured] from what was typed, `8*mm`; None for nothing."""
+    kind = {"kg": "mass"}.get(UNITS[survey.measured_unit][2], "length")  # a volume is mm**3
+    return quantity("limit", text, kind) if text else None
 
 
-def stop_of(text: str | None, survey: Survey) -> float | None:
-    """The progress of the next stop, in the survey's unit, from what was typed, `1200*kt`; a bare number where the survey names no unit."""
-    if text is None:
+def stop_of(text: str, survey: Survey) -> float | None:
+    """The progress of the next stop in the survey's unit, from `1200*kt`, or from a bare number where the survey names no unit."""
+    if not text:
         return None
     told = column(survey.progress_name)
-    return _number("--next-stop", text) / told.factor
-
-
-def _number(option: str, text: str) -> float:
+    kind = {"s": "time", "kg": "mass", "m": "length"}.get(UNITS[told.unit][2] if told.unit else "")
+    if kind:
+        return quantity("next-stop", text, kind) / told.factor
     try:
-        value = parse_value(option, text)
-    except UserError as error:
-        raise UserError(str(error).removeprefix("--set ")) from None
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise UserError(f'{option} was given "{text}"; it needs a number with a unit, as in {option} "8*mm"')
-    return float(value)
+        return float(text)
+    except ValueError:
+        raise UserError(
+            f"--next-stop was given {text}; {survey.progress_name} of {survey.source} has no unit, so expected is a bare number like "
+            f"{1.2 * survey.progress.max():.4g}"
+        ) from None
 
 
 def _read(survey: Path, progress: str, exposure: Path | None, run: Path | None) -> Survey:

@@ -11,7 +11,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from wearfem.case import Figure, LifeCase, load_any_case
+from wearfem.case import Figure, LifeCase
 from wearfem.errors import UserError
 from wearfem.history import CYCLES, History, cycles_of, read_cycle, read_history
 from wearfem.life import words
@@ -19,7 +19,6 @@ from wearfem.liner.liner import wear_surface
 from wearfem.progress import clock
 from wearfem.record import (
     figure_list,
-    file_hash,
     now,
     read_manifest,
     require_writable,
@@ -30,6 +29,7 @@ from wearfem.report_drawings import Curve, colour_table, draw_curve, draw_maps
 from wearfem.report_facts import (
     CONFIDENCE,
     End,
+    case_of_run,
     corrected_thickness,
     corrected_volume,
     deviations,
@@ -91,7 +91,7 @@ def write_report(run: Path, out: Path | None = None, json_file: Path | None = No
         raise UserError(
             f"{run} has no cycles: a report is of a life, a case in cycles such as cases/wearing_plate, that has run for two or more"
         )
-    case = _case_of(begun)
+    case = case_of_run(begun)
     history = read_history(run)
     if len(history.samples) < 2:
         raise UserError(
@@ -317,23 +317,6 @@ def _limits(*thickness: np.ndarray) -> tuple[float, float]:
     known = known[np.isfinite(known)]
     low, high = (float(known.min()), float(known.max())) if len(known) else (0.0, 1e-3)
     return (low, high) if high > low else (0.0, high or 1e-3)
-
-
-def _case_of(begun: Mapping[str, Any]) -> LifeCase | None:
-    """The case that was run, for its notes and the confidence that it asks; None where it is gone or is not what it was."""
-    settings = {name: _as_set(value) for name, value in begun["settings"].items() if value is not None}
-    try:
-        if any(file_hash(Path(file)) != digest for file, digest in begun["sha256"].items()):
-            return None
-        case = load_any_case(Path(begun["folder"]), settings)
-    except UserError:
-        return None
-    return case if isinstance(case, LifeCase) else None
-
-
-def _as_set(value: Any) -> Any:
-    """A setting as `--set` gives it: JSON knows no tuples."""
-    return tuple(_as_set(item) for item in value) if isinstance(value, list) else value
 
 
 def _case_figures(run: Path) -> list[dict[str, Any]]:

@@ -14,6 +14,8 @@ LAYERS = (
     {"proofs"},
     {"benchmarks"},
     {"report_page", "diagnosis_page"},
+    {"foretell"},
+    {"forecast"},
     {"report_facts", "report_drawings", "diagnosis_drawings"},
     {"report", "report_particles", "study", "study_results", "verification"},
     {"run"},
@@ -26,7 +28,7 @@ LAYERS = (
     {"dem", "liner", "wear", "survey"},
     {"surface_file"},
     {"surface", "loads", "material", "slope"},
-    {"vector", "units", "jit", "errors", "proof", "edges", "convergence"},
+    {"vector", "units", "jit", "errors", "proof", "edges", "convergence", "costs"},
 )
 SIBLINGS = {"dem", "liner", "wear", "survey"}  # never import one another ...
 SIBLING_ARROWS = {("survey", "wear")}  # ... except here

@@ -274,9 +274,9 @@ def _draws(fitted: Fit, progress: np.ndarray, count: int, random: np.random.Gene
         depth = depths(carried_on(past, progress, drawn, random), model_at(data, fitted.suspects, coordinate))
         left = data.worn - past.of_rows(depth[:, :served])
         nuisance = gain @ left + root @ random.normal(size=len(size))
-        rate = spread.scatter * random.standard_normal(lives)
-        new = spread.initial * random.standard_normal(lives)
-        book = spread.book * random.standard_normal(occasions)
+        rate: np.ndarray = spread.scatter * random.standard_normal((lives,))
+        new: np.ndarray = spread.initial * random.standard_normal((lives,))
+        book: np.ndarray = spread.book * random.standard_normal((occasions,))
         for kind, told in ((2, rate), (1, new), (4, new), (3, book)):
             own = (found.group == kind) & (found.label < len(told))
             told[found.label[own]] = nuisance[own]
