@@ -11,7 +11,7 @@ the same at all places (ore, weather, days by unit of service) comes again as it
 months follow one another; what belongs to a place stays as it was last.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -29,7 +29,7 @@ SHARE = 0.80  # of the draws that an interval holds
 DRAWS = 1000  # the end of an 80 % interval is known to 0.08 standard deviations
 REACH = 3.0  # times the service so far, beyond which nothing is told
 WARM_UP = 200  # steps of a walk that are thrown away
-THINNED = 4  # steps from one draw to the next
+THINNED = 3  # steps from one draw to the next
 PARTS = 2  # of an interval, between which wear goes in a straight line
 LINE, ALONE, FULL = "straight line per point", "coefficient alone", "with the missing effect"
 
@@ -267,22 +267,25 @@ def _draws(fitted: Fit, progress: np.ndarray, count: int, random: np.random.Gene
     root = size[:, None] * solve_triangular(known.factor, np.eye(len(size)), lower=True, trans="T")
     middle = 0.5 * (progress[1:] + progress[:-1]) - progress[0]
     interval: np.ndarray = np.floor(middle / typical_interval(data.survey)).astype(int)
-    seen = np.unique(past.occasion[past.end > past.begin])
+    intervals = int(interval.max(initial=0)) + 1
+    future, weather = carried_on(past, progress), dated(past)
     worn = np.empty((count, lives, len(progress)))
     for s, coordinate in enumerate(posterior(fitted, count, random)):
-        drawn = seen[(random.integers(len(seen)) + interval) % len(seen)]
-        depth = depths(carried_on(past, progress, drawn, random), model_at(data, fitted.suspects, coordinate))
+        model = model_at(data, fitted.suspects, coordinate)
+        wanted = {name for effect in model.effects for name in effect.needs} | {"exposure"}
+        wanted |= {"days"} if model.additions else set()
+        depth = depths(_drawn(future, served, weather, wanted, interval, random), model)
         left = data.worn - past.of_rows(depth[:, :served])
-        nuisance = gain @ left + root @ random.normal(size=len(size))
-        rate: np.ndarray = spread.scatter * random.standard_normal((lives,))
-        new: np.ndarray = spread.initial * random.standard_normal((lives,))
-        book: np.ndarray = spread.book * random.standard_normal((occasions,))
+        nuisance = gain @ left + root @ random.standard_normal(len(size))
+        rate = spread.scatter * random.standard_normal((lives,))
+        new = spread.initial * random.standard_normal((lives,))
+        book = spread.book * random.standard_normal((occasions,))
         for kind, told in ((2, rate), (1, new), (4, new), (3, book)):
             own = (found.group == kind) & (found.label < len(told))
             told[found.label[own]] = nuisance[own]
         new += nuisance[(found.group == 4) & (found.label == lives)].sum()  # common to all plates
-        later = np.append(0.0, (spread.book * random.standard_normal(interval.max(initial=0) + 1))[interval])
-        wrong = np.concatenate([book[past.occasion], np.tile(later, (lives, 1))], axis=1)
+        later = np.append(0.0, (spread.book * random.standard_normal(intervals))[interval])
+        wrong = np.concatenate([book[past.occasion], np.broadcast_to(later, (lives, len(later)))], axis=1)
         growth = np.diff(depth, axis=1, prepend=0.0)
         total = depth * (1.0 + rate[:, None]) + new[:, None] + np.cumsum(growth * wrong, axis=1)
         worn[s] = total[:, served:]
@@ -320,68 +323,86 @@ def posterior(fitted: Fit, count: int, random: np.random.Generator) -> np.ndarra
     return drawn
 
 
-def carried_on(
-    past: History, progress: np.ndarray, drawn: np.ndarray, random: np.random.Generator
-) -> History:
-    """The history with intervals that end at `progress` (f,) after it; `drawn` (f - 1,) are occasions whose weather and ore come again.
+def carried_on(past: History, progress: np.ndarray) -> History:
+    """The history with intervals that end at `progress` (f,) after it, in the state that each place had last.
 
     The first interval goes from a plate's own last reading to the last of the survey.
     """
     lives, served = past.end.shape
     used = past.end > past.begin
     last = np.where(used.any(axis=1), served - 1 - np.argmax(used[:, ::-1], axis=1), 0)
-    column = np.tile(last[:, None], (1, int(past.occasion.max()) + 1))
-    life, interval = np.nonzero(used)
-    column[life, past.occasion[life, interval]] = interval
-    again = np.concatenate([last[:, None], column[:, drawn]], axis=1)
+    again = np.tile(last[:, None], (1, len(progress)))
     rows = np.arange(lives)[:, None]
 
     def more(value: np.ndarray) -> np.ndarray:
-        if not _same_everywhere(past, value, used):
-            return np.concatenate([value, value[rows, np.tile(last[:, None], (1, len(progress)))]], axis=1)
-        return np.concatenate(
-            [value, _as_seldom_seen(value[rows, again], value[used], past.occasion[used], random)], axis=1
-        )
+        return np.concatenate([value, value[rows, again]], axis=1)
 
     end = np.concatenate([past.end, np.tile(progress, (lives, 1))], axis=1)
     begin = np.concatenate([past.begin, past.end[:, -1:], end[:, served:-1]], axis=1)
     calendar = None
     if past.calendar is not None:
-        pace = more(past.calendar / np.where(used, past.end - past.begin, 1.0))[:, served:]
-        calendar = np.concatenate([past.calendar, pace * (end - begin)[:, served:]], axis=1)
-    occasion = np.concatenate([past.occasion, past.occasion[rows, again]], axis=1)
+        calendar = more(past.calendar / np.where(used, past.end - past.begin, 1.0)) * (end - begin)
+        calendar[:, :served] = past.calendar
     return replace(
-        past, begin=begin, end=end, exposure=more(past.exposure), calendar=calendar, occasion=occasion,
+        past, begin=begin, end=end, exposure=more(past.exposure), calendar=calendar, occasion=more(past.occasion),
         feature={name: more(value) for name, value in past.feature.items()},
     )  # fmt: skip
 
 
-def _as_seldom_seen(
-    again: np.ndarray, seen: np.ndarray, occasion: np.ndarray, random: np.random.Generator
-) -> np.ndarray:
-    """Values that come again (l, f), as uncertain as so few occasions leave their mean and their spread.
+def dated(past: History) -> dict[str, np.ndarray]:
+    """What is the same at all places, occasion by occasion (o,): features by name, `exposure`, and `days` for [s] by unit of service."""
+    used = past.end > past.begin
+    occasions = [used & (past.occasion == j) for j in np.unique(past.occasion[used])]
+    told = {**past.feature, "exposure": past.exposure}
+    if past.calendar is not None:
+        told["days"] = past.calendar / np.where(used, past.end - past.begin, 1.0)
+    found = {}
+    for name, value in told.items():
+        least = 1e-9 * float(np.abs(value).max(initial=0.0))
+        if value.ndim == 2 and all(np.ptp(value[here]) <= least for here in occasions):
+            found[name] = np.array([value[here].mean() for here in occasions])
+    return found
 
-    Deviations from the mean of n occasions grow by sqrt(n / (n - 1)), and the mean has an error of the spread over sqrt(n), one for all
-    that is to come; of logarithms where all values are positive.
+
+def _drawn(
+    future: History, served: int, weather: Mapping[str, np.ndarray], wanted: set[str], interval: np.ndarray,
+    random: np.random.Generator,
+) -> History:  # fmt: skip
+    """The history with what is dated and wanted drawn anew for the intervals to come: from some occasion on, in their order."""
+    names = sorted(wanted & weather.keys())
+    if not names:
+        return future
+    start = random.integers(len(weather[names[0]]))
+    feature, exposure, calendar = dict(future.feature), future.exposure, future.calendar
+    for name in names:
+        values = as_seldom_seen(weather[name], random)
+        comes = values[(start + interval) % len(values)]
+        if name == "exposure":
+            exposure = exposure.copy()
+            exposure[:, served + 1 :] = comes
+        elif name == "days" and calendar is not None:
+            calendar = calendar.copy()
+            calendar[:, served + 1 :] = comes * (future.end - future.begin)[:, served + 1 :]
+        else:
+            feature[name] = feature[name].copy()
+            feature[name][:, served + 1 :] = comes
+    return replace(future, feature=feature, exposure=exposure, calendar=calendar)
+
+
+def as_seldom_seen(value: np.ndarray, random: np.random.Generator) -> np.ndarray:
+    """Values of n occasions (n,) as they may come again, as uncertain as so few leave their mean and their spread.
+
+    Deviations from the mean grow by sqrt(n / (n - 1)), and the mean has an error of the spread over sqrt(n), one for all that is to come;
+    of logarithms where all are positive.
     """
-    positive = bool((seen > 0.0).all())
-    known = np.log(seen) if positive else seen
-    each = np.array([known[occasion == j].mean() for j in np.unique(occasion)])
-    n = len(each)
+    n = len(value)
     if n < 2:
-        return again
-    value = np.log(np.maximum(again, seen.min())) if positive else again
-    shifted = each.mean() + np.sqrt(n / (n - 1)) * (value - each.mean())
-    shifted = shifted + np.std(each, ddof=1) / np.sqrt(n) * random.normal()
-    return np.exp(shifted) if positive else shifted
-
-
-def _same_everywhere(past: History, value: np.ndarray, used: np.ndarray) -> bool:
-    """Whether a feature (l, m) is the same at all places, occasion by occasion: ore or weather, and not a state of the place"""
-    if value.ndim > 2:
-        return False
-    least = 1e-9 * float(np.abs(value[used]).max(initial=0.0))
-    return all(np.ptp(value[used & (past.occasion == j)]) <= least for j in np.unique(past.occasion[used]))
+        return value
+    positive = bool((value > 0.0).all())
+    known = np.log(value) if positive else value
+    shift = known.std(ddof=1) / np.sqrt(n) * random.standard_normal()
+    shown = known.mean() + np.sqrt(n / (n - 1)) * (known - known.mean()) + shift
+    return np.exp(shown) if positive else shown
 
 
 def lines_ahead(
