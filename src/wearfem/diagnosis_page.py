@@ -164,12 +164,11 @@ def places_of(ahead: Forecast) -> list[Place]:
     rows: list[tuple[str, str, Callable[[Outlook, str], End]]]
     rows = [(zone, name, ahead.of_zone) for name in dict.fromkeys(ahead.zones)]
     rows += [(point, name, ahead.of_place) for name in first_points(ahead)[:MOST_ROWS]]
-    unit = progress_unit(ahead.survey)
     found = []
     for kind, name, of in rows:
         ends = [of(outlook, name) for outlook in ahead.outlooks]
         reaches = "" if ends[-1].reaches is None else f"{100.0 * ends[-1].reaches:.0f} %"
-        found.append(Place(kind, name, tuple(end_words(end, unit, ahead) for end in ends), reaches))
+        found.append(Place(kind, name, tuple(end_words(end, ahead) for end in ends), reaches))
     return found
 
 

@@ -236,13 +236,14 @@ def forecast_lines(found: Forecast) -> list[str]:
     lines = list(_wrapped(rows))
     if found.limit is None:
         return lines
-    lines.append(f"{'worn out at':<16}" + "".join(f"  {o.name:<27}" for o in found.outlooks).rstrip())
+    lines += _wrapped([("worn out at", f"service in {unit}, by")])
+    lines.append(f"{'':<18}" + "".join(f"{o.name:<26}" for o in found.outlooks).rstrip())
     last = found.outlooks[-1]
     for names, end_at in ((found.zones, found.of_zone), (first_points(found)[:SHOWN], found.of_place)):
         for name in dict.fromkeys(names):
             ends = [end_at(outlook, name) for outlook in found.outlooks]
             lines.append(
-                f"{name[:16]:<16}" + "".join(f"  {end_words(end, unit, found):<27}" for end in ends).rstrip()
+                f"{name[:16]:<18}" + "".join(f"{end_words(end, found):<26}" for end in ends).rstrip()
             )
     if found.next_stop is not None:
         zones = [found.of_zone(last, zone) for zone in dict.fromkeys(found.zones)]
@@ -285,15 +286,15 @@ def _pace(found: Forecast) -> str:
     return f", {1.0 / found.days:.3g} {progress_unit(found.survey)} a day"
 
 
-def end_words(end: End, unit: str, found: Forecast) -> str:
-    """An end of life with its interval in a few words."""
+def end_words(end: End, found: Forecast) -> str:
+    """An end of life with its interval in a few words, in the unit of service."""
     if np.isnan(end.median):
         return "no reading, no line"
     far = f"beyond {found.progress[-1]:.4g}"
     low, high = (f"{value:.4g}" if np.isfinite(value) else far for value in end.interval)
     if end.interval[1] <= found.now:
-        return f"limit passed at {found.now:.4g} {unit}"
-    middle = f"{end.median:.4g} {unit}" if np.isfinite(end.median) else far
+        return "limit passed"
+    middle = f"{end.median:.4g}" if np.isfinite(end.median) else far
     return middle if low == high == far else f"{middle} ({low} to {high})"
 
 
