@@ -8,6 +8,7 @@ import numpy as np
 
 from wearfem.errors import UserError, in_words
 from wearfem.survey.columns import column, numbers, read_table
+from wearfem.survey.course import Course
 
 PROGRESS = (
     "tonnage",
@@ -63,6 +64,8 @@ class Survey:
         Points whose plate was taken to be replaced because the wear vanished, where no specimens are told.
     zone
         What the survey calls the zone of each point, where it has a column of that name; empty if not.
+    course
+        What a run of the model tells of each life; then `exposure` is 1 everywhere and the coefficient is a factor on the run's wear.
     """
 
     point: np.ndarray
@@ -88,6 +91,7 @@ class Survey:
     source: str
     taken_as_replaced: tuple[str, ...] = ()
     zone: tuple[str, ...] = ()
+    course: Course | None = None
 
     @property
     def size(self) -> int:
