@@ -337,6 +337,10 @@ def find_case(folder: Path) -> Path:
     existing = sorted(
         {str(path) for place in (file.parent.parent, Path("cases")) for path in _cases_in(place)}
     )
+    if surveys := _surveys_in(folder):
+        raise UserError(
+            f"{folder} has no file case.py: it holds a survey, and nothing to run; give wearfem diagnose {surveys[0]}"
+        )
     problem = f"{folder} has no file case.py" if folder.is_dir() else f"there is no case {folder}"
     advice = (
         f"the cases here are {in_words(existing)}"
@@ -344,6 +348,13 @@ def find_case(folder: Path) -> Path:
         else "give the path of a folder that holds a case.py"
     )
     raise UserError(f"{problem}{did_you_mean(str(folder), existing)}; {advice}")
+
+
+def _surveys_in(folder: Path) -> list[Path]:
+    """Surveys (CSV) of a folder or of its `measured`"""
+    if folder.suffix.lower() == ".csv" and folder.is_file():
+        return [folder]
+    return sorted([*folder.glob("*.csv"), *folder.glob("measured/*.csv")]) if folder.is_dir() else []
 
 
 def _cases_in(place: Path) -> list[Path]:
