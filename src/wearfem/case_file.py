@@ -16,7 +16,9 @@ from wearfem.wear.effect import Effect
 from wearfem.wear.laws import Scaled
 
 
-def with_effects(plain: LifeCase, factor: float, effects: Sequence[Effect]) -> LifeCase:
+def with_effects(
+    plain: LifeCase, factor: float, effects: Sequence[Effect], stop: float = math.inf
+) -> LifeCase:
     """A case with its wear law scaled and effects added to those that it has.
 
     Parameters
@@ -27,12 +29,15 @@ def with_effects(plain: LifeCase, factor: float, effects: Sequence[Effect]) -> L
         [-] coefficient of wear over that of the case.
     effects
         What is added, after the case's own.
+    stop
+        Service time [s] at which to stop, where it comes before the case's own.
     """
     return replace(
         plain,
         name=f"{plain.name}_improved",
         wear_law=Scaled(plain.wear_law, factor),
         effects=(*plain.effects, *effects),
+        stop=replace(plain.stop, service_time=min(stop, plain.stop.service_time)),
         measure=lambda history: tuple(
             replace(figure, expected=None, source="", tolerance=None) for figure in plain.measure(history)
         ),
@@ -47,6 +52,7 @@ def write_case(
     factor: float,
     effects: Sequence[Effect],
     story: str,
+    stop: float = math.inf,
 ) -> Path:
     """Write `case.py` into a folder: the original case with other keywords as its defaults, its law scaled, effects added.
 
@@ -58,7 +64,7 @@ def write_case(
         Folder of the case that is loaded.
     settings
         Keywords [SI] that become the defaults.
-    factor, effects
+    factor, effects, stop
         See `with_effects`.
     story
         Where all this comes from: the docstring of the file.
@@ -72,7 +78,7 @@ def write_case(
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise UserError(f"{folder} cannot be made ({error.strerror}); give --out another folder") from error
-    text = _text(folder.resolve(), original.resolve(), settings, factor, effects, story)
+    text = _text(folder.resolve(), original.resolve(), settings, factor, effects, story, stop)
     with whole_file(folder / "case.py") as temporary:
         temporary.write_text(text, encoding="utf-8")
     return folder / "case.py"
@@ -85,6 +91,7 @@ def _text(
     factor: float,
     effects: Sequence[Effect],
     story: str,
+    stop: float,
 ) -> str:
     keywords = case_keywords(original).parameters
     value = {name: settings.get(name, parameter.default) for name, parameter in keywords.items()}
@@ -112,6 +119,7 @@ def _text(
             f"ORIGINAL = Path(__file__).parent / {_python(os.path.relpath(original, folder))}",
             f"FACTOR = {factor!r}  # [-] coefficient of wear over that of the original",
             f"EFFECTS = ({listed}\n)  # in SI" if effects else "EFFECTS = ()",
+            *([] if stop == math.inf else [f"STOP = {_python(stop)}  # [s] of service"]),
             "",
             "",
             "def case(",
@@ -120,7 +128,7 @@ def _text(
             ") -> LifeCase:",
             '    """The original with what the survey asked for; its keywords, with those of the run as defaults."""',
             "    plain = load_any_case(ORIGINAL, locals())  # all keywords go to the original",
-            "    return with_effects(plain, FACTOR, EFFECTS)",
+            f"    return with_effects(plain, FACTOR, EFFECTS{'' if stop == math.inf else ', STOP'})",
             "",
         ]
     )
