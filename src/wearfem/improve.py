@@ -15,10 +15,10 @@ from scipy.optimize import least_squares
 from wearfem.case import LifeCase, load_any_case
 from wearfem.case_file import write_case
 from wearfem.errors import UserError
-from wearfem.exposure import exposed_by_run
+from wearfem.exposure import PutIn, exposed_by_run
 from wearfem.run import case_of_run, live_to_the_end
 from wearfem.survey.candidates import Candidate, Suspect
-from wearfem.survey.diagnose import Diagnosis, Score, diagnose, held_out
+from wearfem.survey.diagnose import Diagnosis, Effect, Score, diagnose, held_out
 from wearfem.survey.history import Model, depths
 from wearfem.survey.identify import COEFFICIENT_PRIOR, Fit, Readings, fit, readings
 from wearfem.survey.in_service import Service, in_service, service
@@ -85,29 +85,51 @@ class Improvement:
 
     Parameters
     ----------
+    plain
+        The case as it was.
     diagnosis
         Along the run that was given.
-    unit
-        Of the survey's progress.
     held
         (n,) readings that no round saw, of those that were not doubted.
     coefficient_rounds, rounds
         Coupled runs with the coefficient alone, and with the effects too (the same where none was found).
     as_given, coefficient_alone, improved
         Errors of coupled runs against the readings as they were read: no zero errors or the like are taken off.
+    no_better
+        Whether the effects were found, but in the coupled run do not predict readings held out; then `rounds` are without them.
     again
         The diagnosis along the last run, where that was asked.
     """
 
+    plain: LifeCase
     diagnosis: Diagnosis
-    unit: Service
     held: np.ndarray
     coefficient_rounds: tuple[Round, ...]
     rounds: tuple[Round, ...]
     as_given: Score
     coefficient_alone: Score
     improved: Score
+    no_better: bool
     again: Diagnosis | None
+
+    def write(self, folder: Path, story: str) -> Path:
+        """Write the improved case: the last round's, without its stop at the last reading."""
+        case = load_any_case(self.last.case)
+        assert isinstance(case, LifeCase) and self.plain.folder is not None
+        return write_case(
+            folder, self.plain.folder, self.plain.settings, self.last.put_in.factor,
+            case.effects[len(self.plain.effects) :], story,
+        )  # fmt: skip
+
+    @property
+    def last(self) -> Round:
+        """The coupled run that the improved case repeats"""
+        return self.rounds[-1]
+
+    @property
+    def effects(self) -> tuple[Effect, ...]:
+        """What the improved case has beside another coefficient"""
+        return () if self.rounds is self.coefficient_rounds else self.diagnosis.effects
 
     @property
     def agreed(self) -> bool:
@@ -168,10 +190,13 @@ def improve(
     coefficient = loop.repeat("coefficient", coefficient_alone)
     suspects = found.choice.best.suspects
     effects = loop.repeat("effects", lambda d, b: with_suspects(d, suspects, b)) if suspects else coefficient
+    before, after = loop.score(coefficient[-1]), loop.score(effects[-1])
+    no_better = (after.heldout_rmse or 0.0) > 1.02 * (before.heldout_rmse or np.inf)
+    if no_better:
+        effects, after = coefficient, before
     again = diagnose(exposed_by_run(survey, effects[-1].run), name_without=False) if diagnose_again else None
     return Improvement(
-        found, unit, held, coefficient, effects,
-        score(given.only(keep), held, 0), loop.score(coefficient[-1]), loop.score(effects[-1]), again,
+        plain, found, held, coefficient, effects, score(given.only(keep), held, 0), before, after, no_better, again
     )  # fmt: skip
 
 
@@ -198,7 +223,8 @@ class _Loop:
 
     def repeat(self, name: str, refit: Refit) -> tuple[Round, ...]:
         """Coupled runs until the readings along the last say what was put into it, or the rounds are over."""
-        told, done = refit(self.data.only(~self.held), None), []
+        told = refit(self.data.only(~self.held), None)
+        done: list[Round] = []
         while len(done) < self.rounds:
             done.append(self.round(self.out / "rounds" / f"{name}-{len(done) + 1}", told, refit))
             told = done[-1].told
@@ -219,7 +245,7 @@ class _Loop:
         case = load_any_case(folder)
         assert isinstance(case, LifeCase)
         live_to_the_end(case, folder / "run", self.quiet)
-        along = exposed_by_run(self.survey, folder / "run", without=self.plain)
+        along = exposed_by_run(self.survey, folder / "run", put_in=PutIn(put_in.factor, effects))
         told = refit(readings(along.only(self.keep)).only(~self.held), put_in)
         return Round(folder, folder / "run", put_in, told, told.change(put_in))
 

@@ -11,6 +11,8 @@ PACKAGE = Path(__file__).parents[2] / "src" / "wearfem"
 LAYERS = (
     {"cli"},
     {"verify", "bench", "check", "measured"},
+    {"improve_words"},
+    {"improve"},
     {"exposure"},
     {"proofs"},
     {"benchmarks"},
@@ -18,6 +20,7 @@ LAYERS = (
     {"report_facts", "report_drawings"},
     {"report", "report_particles", "study", "study_results", "verification"},
     {"run"},
+    {"case_file"},
     {"pictures", "record_mesh"},
     {"render"},
     {"life", "history", "record", "cycle", "formula", "values", "progress"},

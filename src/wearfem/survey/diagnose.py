@@ -240,7 +240,7 @@ def _effects(choice: Choice) -> tuple[Effect, ...]:
             alike.append(SHAPE)
         found.append(
             Effect(
-                suspect.name, _parameters(best, i, at), choice.probability(suspect.name), tuple(dict.fromkeys(alike)),
+                suspect.name, parameters_of(best, i, at), choice.probability(suspect.name), tuple(dict.fromkeys(alike)),
                 _in_words(suggested, best), suspect.quantity, suspect.name.startswith("FactorCurve"),
             )
         )  # fmt: skip
@@ -252,7 +252,8 @@ def _effects(choice: Choice) -> tuple[Effect, ...]:
 def _may_be_shape(choice: Choice, suspect: Candidate) -> bool:
     """Whether an effect may be the shape that wears, which the run did not follow"""
     course = choice.best.readings.survey.course
-    return suspect.quantity in {"depth", "date"} and course is not None and not course.follows_shape
+    logged = suspect.quantity in {"temperature", "ore_hardness"}  # the same everywhere, and written down
+    return not logged and course is not None and not course.follows_shape
 
 
 def _other(fitted: Fit, best: Fit, place: int) -> list[str]:
@@ -260,7 +261,7 @@ def _other(fitted: Fit, best: Fit, place: int) -> list[str]:
     return [s.name for s in fitted.suspects if s.name not in have]
 
 
-def _parameters(best: Fit, place: int, at: int) -> dict[str, Parameter]:
+def parameters_of(best: Fit, place: int, at: int) -> dict[str, Parameter]:
     """Free parameters by name, with 90 % intervals; and what was kept fixed, without"""
     suspect = best.suspects[place]
     coordinate = best.coordinate[at : at + len(suspect.free)]
