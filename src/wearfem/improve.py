@@ -142,6 +142,7 @@ def improve(
     run: Path,
     out: Path,
     *,
+    found: Diagnosis | None = None,
     rounds: int = ROUNDS,
     diagnose_again: bool = True,
     quiet: bool = False,
@@ -157,6 +158,8 @@ def improve(
         The folder of a life of the case, whose shape changed as it wore.
     out
         Folder for the cases and runs of all rounds; what is there is gone on with.
+    found
+        The diagnosis along that run, where it is at hand.
     rounds
         Coupled runs at most, for the coefficient alone and for the effects each.
     diagnose_again
@@ -179,7 +182,7 @@ def improve(
         )
     unit = service(survey, plain.throughput_rate)
     given = exposed_by_run(survey, run)
-    found = diagnose(given)
+    found = found or diagnose(given)
     keep = np.ones(survey.size, bool)
     keep[[doubt.row for doubt in found.doubts]] = False
     data = readings(given.only(keep))
