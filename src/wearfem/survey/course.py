@@ -76,9 +76,13 @@ class Course:
         )
 
     def state_at(self, name: str, progress: np.ndarray) -> np.ndarray:
-        """A feature (l, m) after service (l, m), straight between samples."""
+        """A feature (l, m) after service (l, m) of the run, straight between samples."""
+        clock = np.broadcast_to(self.progress, self.rate.shape) if self.service is None else self.service
         return np.stack(
-            [np.interp(at, self.progress, own) for at, own in zip(progress, self.state[name], strict=True)]
+            [
+                np.interp(at, when, own)
+                for at, when, own in zip(progress, clock, self.state[name], strict=True)
+            ]
         )
 
     @property
