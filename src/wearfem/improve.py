@@ -19,7 +19,7 @@ from wearfem.exposure import PutIn, exposed_by_run
 from wearfem.run import case_of_run, live_to_the_end
 from wearfem.survey.candidates import Candidate, Suspect
 from wearfem.survey.diagnose import Diagnosis, Effect, Score, diagnose, held_out
-from wearfem.survey.history import Model, depths
+from wearfem.survey.history import History, Model, depths
 from wearfem.survey.identify import COEFFICIENT_PRIOR, Fit, Readings, fit, readings
 from wearfem.survey.in_service import Service, in_service, service
 from wearfem.survey.survey import Survey
@@ -174,7 +174,7 @@ def improve(
     UserError
         for a run that is not of the case as it is now, that kept its shape, or whose service is not the survey's.
     """
-    plain, begun = case_of_run(run)
+    plain, _ = case_of_run(run)
     if plain.frozen:
         raise UserError(
             f"{run} kept the geometry as new, so what it lacks may be the change of shape; run the case with its geometry moving "
@@ -188,7 +188,9 @@ def improve(
     data = readings(given.only(keep))
     held = held_out(data)
     last = float((survey.progress - survey.life_start[survey.life]).max()) * unit.seconds
-    loop = _Loop(survey, plain, run, begun["settings"], data, keep, held, unit, last, out, rounds, quiet, say)
+    train = keep.copy()
+    train[np.flatnonzero(keep)[held]] = False
+    loop = _Loop(survey, plain, given, data.past, keep, held, train, unit, last, out, rounds, quiet, say)
 
     coefficient = loop.repeat("coefficient", coefficient_alone)
     suspects = found.choice.best.suspects
@@ -212,11 +214,11 @@ class _Loop:
 
     survey: Survey
     plain: LifeCase
-    given: Path
-    settings: dict
-    data: Readings  # along the run that was given
-    keep: np.ndarray
-    held: np.ndarray
+    given: Survey  # along the run that was given
+    past: History
+    keep: np.ndarray  # (n,) readings that are not doubted
+    held: np.ndarray  # those of them that no round sees
+    train: np.ndarray  # (n,) those that all rounds see
     unit: Service
     last: float  # [s] of service at the last reading
     out: Path
@@ -226,7 +228,7 @@ class _Loop:
 
     def repeat(self, name: str, refit: Refit) -> tuple[Round, ...]:
         """Coupled runs until the readings along the last say what was put into it, or the rounds are over."""
-        told = refit(self.data.only(~self.held), None)
+        told = refit(readings(self.given.only(self.train)), None)
         done: list[Round] = []
         while len(done) < self.rounds:
             done.append(self.round(self.out / "rounds" / f"{name}-{len(done) + 1}", told, refit))
@@ -238,8 +240,7 @@ class _Loop:
 
     def round(self, folder: Path, put_in: Told, refit: Refit) -> Round:
         """One coupled run with what was told, and what the readings say along it."""
-        past = self.data.past
-        effects = tuple(in_service(effect, self.survey, past, self.unit) for effect in put_in.effects)
+        effects = tuple(in_service(effect, self.survey, self.past, self.unit) for effect in put_in.effects)
         assert self.plain.folder is not None  # it was read from a folder
         write_case(
             folder, self.plain.folder, self.plain.settings, put_in.factor, effects,
@@ -249,7 +250,7 @@ class _Loop:
         assert isinstance(case, LifeCase)
         live_to_the_end(case, folder / "run", self.quiet)
         along = exposed_by_run(self.survey, folder / "run", put_in=PutIn(put_in.factor, effects))
-        told = refit(readings(along.only(self.keep)).only(~self.held), put_in)
+        told = refit(readings(along.only(self.train)), put_in)
         return Round(folder, folder / "run", put_in, told, told.change(put_in))
 
     def score(self, done: Round) -> Score:
