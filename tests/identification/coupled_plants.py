@@ -16,6 +16,7 @@ from wearfem.case import LifeCase, Stop, load_any_case
 from wearfem.cycle import cycle, first_state
 from wearfem.history import History, history_of
 from wearfem.liner.liner import wear_surface
+from wearfem.surface import Surface
 from wearfem.units import kt, mm
 from wearfem.wear.laws import Scaled
 
@@ -60,7 +61,7 @@ def coupled_plant(
     effects: Sequence[Any] = (),
     factor: float = 1.0,
     served: float,
-    within: tuple[tuple[float, float], tuple[float, float]],
+    within: tuple[tuple[float, float], tuple[float, float]] | None = None,
     points: int = 40,
     occasions: int = 8,
     sigma: float = 0.1,
@@ -79,7 +80,7 @@ def coupled_plant(
     served
         Service time [s] at the last occasion.
     within
-        Ranges of x and y [m] of the places.
+        Ranges of x and y [m] of the places on a level face; without it, the middles of facets that wear well.
     jumps
         At least, up to then.
     """
@@ -93,16 +94,25 @@ def coupled_plant(
         longest_jump=1.0001 * served / jumps,
     )
     truth = lived(case)
-    surface = wear_surface(case.liner)
-    middle = surface.corner.mean(axis=1)  # of triangles; their facets are their own here
-    assert len(surface.triangle) == surface.facet_count
+    middle = middles(wear_surface(case.liner))
     random = np.random.default_rng([seed, 7])
-    place = np.stack([random.uniform(*axis, size=points) for axis in within], axis=1)
     when = np.sort(served * (np.arange(1, occasions + 1) + random.uniform(-0.2, 0.0, occasions)) / occasions)
     when[-1] = served
-    at = CubicHermiteSpline(truth.service_time, truth.depth, truth.rate)(when)  # (o, f)
-    clean = np.stack([LinearNDInterpolator(middle[:, :2], depth)(place) for depth in at], axis=1) / mm
-    height = LinearNDInterpolator(middle[:, :2], middle[:, 2])(place)
+    at = CubicHermiteSpline(truth.service_time, truth.depth, truth.rate)(when) / mm  # (o, f)
+    if within is None:
+        chosen = random.permutation(np.flatnonzero(at[-1] > 0.25 * at[-1].max()))[:points]
+        place, clean = middle[chosen], at[:, chosen].T
+    else:
+        flat = np.stack([random.uniform(*axis, size=points) for axis in within], axis=1)
+        place = np.column_stack([flat, LinearNDInterpolator(middle[:, :2], middle[:, 2])(flat)])
+        clean = np.stack([LinearNDInterpolator(middle[:, :2], depth)(flat) for depth in at], axis=1)
     reading = np.round(clean + random.normal(0.0, sigma, clean.shape), 2)
     tonnage = when * case.throughput_rate / kt
-    return CoupledPlant(np.column_stack([place, height]), tonnage, clean, reading, sigma, truth)
+    return CoupledPlant(place, tonnage, clean, reading, sigma, truth)
+
+
+def middles(surface: Surface) -> np.ndarray:
+    """(f, 3) [m] of the facets"""
+    weighed = surface.area[:, None] * surface.corner.mean(axis=1)
+    total = np.stack([np.bincount(surface.facet, part, surface.facet_count) for part in weighed.T], axis=1)
+    return total / surface.facet_area[:, None]
