@@ -73,15 +73,26 @@ def write_case(
     -------
     Path
         Of the file.
+
+    Raises
+    ------
+    UserError
+        where the folder holds another case: nothing is written over.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise UserError(f"{folder} cannot be made ({error.strerror}); give --out another folder") from error
     text = _text(folder.resolve(), original.resolve(), settings, factor, effects, story, stop)
-    with whole_file(folder / "case.py") as temporary:
+    file = folder / "case.py"
+    if file.exists() and file.read_text(encoding="utf-8") != text:
+        raise UserError(
+            f"{file} is another case than the one that would be written now (another survey, run or version, or a change by hand); give "
+            "--out a new folder, nothing was changed"
+        )
+    with whole_file(file) as temporary:
         temporary.write_text(text, encoding="utf-8")
-    return folder / "case.py"
+    return file
 
 
 def _text(

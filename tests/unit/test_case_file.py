@@ -53,9 +53,9 @@ def test_it_wears_by_its_factor(tmp_path):
 
 
 def test_it_stops_where_it_is_told(tmp_path):
-    case = load_any_case(written(tmp_path, (), stop=2e6))
-    assert case.stop.service_time == 2e6
-    assert load_any_case(written(tmp_path, (), stop=2e6), {"stop": 1e6}).stop.service_time == 1e6
+    file = written(tmp_path, (), stop=2e6)
+    assert load_any_case(file).stop.service_time == 2e6
+    assert load_any_case(file, {"stop": 1e6}).stop.service_time == 1e6
 
 
 def test_an_improved_case_can_be_improved(tmp_path):
@@ -69,6 +69,15 @@ def test_a_case_with_effects_leaves_the_one_it_was_given():
     plain = load_any_case(PLATE)
     assert with_effects(plain, 2.0, EFFECTS).effects == (*plain.effects, *EFFECTS)
     assert load_any_case(PLATE).effects == plain.effects
+
+
+def test_nothing_is_written_over(tmp_path):
+    file = written(tmp_path)
+    before = file.read_text()
+    assert written(tmp_path) == file  # the same again is no harm
+    with pytest.raises(UserError, match="give --out a new folder"):
+        written(tmp_path, ())
+    assert file.read_text() == before
 
 
 def test_a_folder_that_cannot_be_made(tmp_path):
