@@ -14,7 +14,7 @@ from wearfem.cli import wearfem
 from wearfem.errors import UserError
 from wearfem.exposure import exposed_by_run
 from wearfem.improve import improve
-from wearfem.proofs.closed_loop import CASE, FACTOR, HIDDEN, SERVED, SMALL, closed, plant
+from wearfem.proofs.closed_loop import CHUTE, FACTOR, HIDDEN, PLATE, SMALL, closed, plant
 from wearfem.survey.candidates import candidates
 from wearfem.survey.identify import readings
 from wearfem.survey.survey import read_survey
@@ -109,21 +109,12 @@ def test_what_is_there_is_gone_on_with(improved, capsys):
 
 def test_a_run_that_kept_its_shape_is_refused(improved, tmp_path):
     folder, *_ = improved
-    command(
-        "run",
-        CASE,
-        "--set",
-        "frozen=true",
-        "--set",
-        f"stop={SERVED / 10}",
-        "--out",
-        tmp_path / "run",
-        "--quiet",
-    )
+    run, short = tmp_path / "run", f"stop={PLATE.served / 10}"
+    command("run", PLATE.case, "--set", "frozen=true", "--set", short, "--out", run, "--quiet")
     with pytest.raises(
         UserError, match="kept the geometry as new, so what it lacks may be the change of shape"
     ):
-        improve(read_survey(folder / "survey.csv"), tmp_path / "run", tmp_path / "out")
+        improve(read_survey(folder / "survey.csv"), run, tmp_path / "out")
 
 
 def test_a_survey_by_distance_is_refused(improved, tmp_path):
@@ -146,3 +137,11 @@ def test_held_out_error_falls_to_the_noise(hidden, seed, tmp_path):
     assert (
         abs(np.log(done.last.put_in.factor / FACTOR)) < 0.05 + 3.0 * done.last.put_in.deviation[0]
     )  # 5 % for the mesh
+
+
+@pytest.mark.slow
+def test_on_a_chute_under_particles(tmp_path):
+    done, made = closed(tmp_path, "hardness_gradient", 51, site=CHUTE, points=30)
+    assert [effect.name for effect in done.effects] == ["HardnessGradient"]
+    assert done.improved.heldout_rmse < 1.3 * made.sigma  # asked; the run's own sampling is in it
+    assert done.improved.heldout_rmse < done.coefficient_alone.heldout_rmse

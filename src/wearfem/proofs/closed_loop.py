@@ -10,7 +10,7 @@ import io
 import math
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
@@ -28,10 +28,6 @@ from wearfem.wear.effects import HardnessGradient, OreChange, SpeedExponent
 
 HERE = Path(__file__).parents[3]
 PLANTS = HERE / "tests" / "identification" / "coupled_plants.py"
-CASE = HERE / "cases" / "stream_on_plate"
-FINE = {"noise": 0.05, "tolerance": 0.005}  # sampling errors below the gauge's
-SERVED = 500 * day
-WITHIN = ((60 * mm, 340 * mm), (20 * mm, 140 * mm))
 SMALL = {"points": 24, "occasions": 6}
 HIDDEN = {
     "hardness_gradient": (HardnessGradient(0.05 / mm, 0.4),),
@@ -42,6 +38,35 @@ HIDDEN = {
 LOSS_PRIOR = 0.8  # of the logarithm of the loss, by unit of its coordinate
 FACTOR = 0.8  # [-] the plant's coefficient over the case's
 ISSUE = "what closing the loop must do, issue 5 of the project"
+
+
+@dataclass(frozen=True)
+class Site:
+    """A case with keywords under which it is cheap, how long it is followed, and how it is read."""
+
+    case: Path
+    keywords: Mapping[str, Any]
+    served: float  # [s]
+    sigma: float  # [mm] of the gauge
+    within: tuple[tuple[float, float], tuple[float, float]] | None = None  # [m] x and y of the places read
+
+
+PLATE = Site(
+    HERE / "cases" / "stream_on_plate",
+    {"noise": 0.05, "tolerance": 0.005},  # sampling errors below the gauge's
+    500 * day,
+    0.1,
+    ((60 * mm, 340 * mm), (20 * mm, 140 * mm)),
+)
+CHUTE = Site(
+    HERE / "cases" / "transfer_chute",
+    {
+        "coarsening": 3.0, "slice_width": 50 * mm, "window": 1.0, "mesh_size": 20 * mm,
+        "smoothing_length": 80 * mm,
+    },
+    55 * day,
+    0.2,
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -65,13 +90,17 @@ def plants() -> ModuleType:
     return module
 
 
-def plant(folder: Path, hidden: str, seed: int, frozen: bool = False, **design: Any) -> Plant:
+def plant(
+    folder: Path, hidden: str, seed: int, frozen: bool = False, site: Site = PLATE, **design: Any
+) -> Plant:
     """Make a plant, write its survey, and run the case as it is known."""
     made = plants().coupled_plant(
-        CASE, FINE, seed, effects=HIDDEN[hidden], factor=FACTOR, served=SERVED, within=WITHIN, **design
-    )
+        site.case, site.keywords, seed, effects=HIDDEN[hidden], factor=FACTOR, served=site.served, sigma=site.sigma,
+        within=site.within, **design,
+    )  # fmt: skip
+    keywords = {**site.keywords, "seed": seed, "frozen": frozen, "stop": site.served}
     with contextlib.redirect_stdout(io.StringIO()):
-        run_case(CASE, FINE | {"seed": seed, "frozen": frozen, "stop": SERVED}, folder / "run", quiet=True)
+        run_case(site.case, keywords, folder / "run", quiet=True)
     return Plant(read_survey(made.write(folder)), folder / "run", made.sigma)
 
 
