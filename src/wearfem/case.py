@@ -329,6 +329,11 @@ def load_any_case(folder: Path, settings: Mapping[str, Value] | None = None) -> 
     return replace(case, settings=keywords, folder=file.parent)
 
 
+def case_keywords(folder: Path) -> inspect.Signature:
+    """The keywords of a case with their defaults [SI]."""
+    return _case_function(find_case(folder))[1]
+
+
 def find_case(folder: Path) -> Path:
     """The `case.py` of a folder (or of the path to the file itself)."""
     file = folder if folder.name == "case.py" else folder / "case.py"

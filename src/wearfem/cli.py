@@ -283,6 +283,46 @@ def diagnose(
     diagnose_survey(survey, progress, exposure, run_folder, out, json_file, limit, next_stop)
 
 
+@wearfem.command()
+@survey_argument
+@click.option(
+    "--run",
+    "run_folder",
+    type=Path,
+    metavar="RUN",
+    required=True,
+    help="The run that the readings belong to.",
+)
+@click.option("--out", type=Path, metavar="DIR", required=True, help="A folder for the improved case.")
+@progress_option
+@click.option(
+    "--rounds",
+    type=int,
+    default=6,
+    show_default=True,
+    metavar="N",
+    help="Coupled runs at most, of each kind.",
+)
+@json_option
+@click.option("--quiet", is_flag=True, help="Show no progress.")
+def improve(
+    survey: Path,
+    run_folder: Path,
+    out: Path,
+    progress: str,
+    rounds: int,
+    json_file: Path | None,
+    quiet: bool,
+) -> None:
+    """Add to the case of RUN what a SURVEY (CSV) asks for, and repeat the run until both agree.
+
+    DIR/improved is the improved case, for wearfem run. The same command goes on with what DIR holds.
+    """
+    from wearfem.measured import improve_with_survey
+
+    improve_with_survey(survey, progress, run_folder, out, rounds, json_file, quiet)
+
+
 def main() -> None:
     """Run a command; a user's mistake becomes one sentence and exit code 2."""
     try:

@@ -280,14 +280,18 @@ def _draws(fitted: Fit, progress: np.ndarray, count: int, random: np.random.Gene
         rate = spread.scatter * random.standard_normal((lives,))
         new = spread.initial * random.standard_normal((lives,))
         book = spread.book * random.standard_normal((occasions,))
-        for kind, told in ((2, rate), (1, new), (4, new), (3, book)):
+        bend = spread.bend * random.standard_normal((lives,)) if past.bent > 0.0 else np.zeros(lives)
+        smooth, shift = np.zeros(past.smooth.shape[1]), np.zeros(3)
+        for kind, told in ((2, rate), (1, new), (4, new), (3, book), (6, smooth), (8, shift), (9, bend)):
             own = (found.group == kind) & (found.label < len(told))
             told[found.label[own]] = nuisance[own]
         new += nuisance[(found.group == 4) & (found.label == lives)].sum()  # common to all plates
+        rate = rate + past.smooth @ smooth + past.steepness @ shift
         later = np.append(0.0, (spread.book * random.standard_normal(intervals))[interval])
         wrong = np.concatenate([book[past.occasion], np.broadcast_to(later, (lives, len(later)))], axis=1)
         growth = np.diff(depth, axis=1, prepend=0.0)
-        total = depth * (1.0 + rate[:, None]) + new[:, None] + np.cumsum(growth * wrong, axis=1)
+        turned = bend[:, None] * depth / past.bent if past.bent > 0.0 else 0.0
+        total = depth * (1.0 + rate[:, None] + turned) + new[:, None] + np.cumsum(growth * wrong, axis=1)
         worn[s] = total[:, served:]
     return worn
 
