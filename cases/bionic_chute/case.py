@@ -29,11 +29,9 @@ from wearfem.liner.convexes import (
     Pattern,
     bent_shell,
     embossed_strip,
-    position_angle,
 )
 from wearfem.liner.liner import Liner, wear_surface
 from wearfem.loads import FacetLoads
-from wearfem.surface import Surface
 from wearfem.units import GPa, hour, mm, second, tonne
 from wearfem.wear.jump import Goal
 from wearfem.wear.laws import Archard
@@ -85,7 +83,7 @@ def case(
     spacings: int = 1,
     shear_modulus: float = 0.065 * GPa,
     coarsening: float = 1.0,
-    time_step: float = 0.0,
+    time_step_share: float = 0.25,
     sectors: int = 16,
     rings: int = 4,
     rings_around: int = 3,
@@ -116,8 +114,8 @@ def case(
         Of the ore [Pa]; published 65 GPa.
     coarsening
         Factor on all diameters of the ore.
-    time_step
-        [s]; 0: a quarter of the smallest particle's Rayleigh time.
+    time_step_share
+        Time step over the smallest particle's Rayleigh time.
     sectors, rings, rings_around
         Of the mesh: around each convex, from its rim to its top, from its rim to the next tile.
     window
@@ -137,7 +135,7 @@ def case(
         shear_modulus,
         coarsening,
         spacings * spacing_across,
-        time_step or chute.STEP_SHARE * chute.rayleigh_time(coarsening, shear_modulus),
+        time_step_share * chute.rayleigh_time(coarsening, shear_modulus),
         seed,
     )
     convex = Convex(major_radius, across_radius or minor_radius, minor_radius)
@@ -145,7 +143,7 @@ def case(
     strip = arc_strip(pattern, spacings, Fineness(sectors, rings, rings_around))
     strip = strip if convexes else replace(strip, height=0.0 * strip.height)
     liner = Liner(bent_shell(strip, chute.RADIUS, BEGIN, THICKNESS, name="chute"), chute.STEEL)
-    where = Where.of(strip, wear_surface(liner), stream.share)
+    where = Where(chute.zone_share(wear_surface(liner), 2), strip.on_convex.astype(float), stream.share)
     return LifeCase(
         name="bionic_chute",
         flow=stream.nothing,
@@ -162,8 +160,9 @@ def case(
         frozen=frozen,
         measure=Measure(where),
         notes=(
-            f"the ore's shear modulus is {shear_modulus:.3g} Pa instead of 65 GPa; the chute is a slice of {1e3 * stream.slice_width:g} mm, "
-            "periodic across, and ends with its arc; rates are told for its whole width of 0.2 m",
+            f"the ore's shear modulus is {shear_modulus:.3g} Pa instead of 65 GPa",
+            f"the chute is a slice of {1e3 * stream.slice_width:g} mm, periodic across, and ends with its arc; rates are told for its "
+            "whole width of 0.2 m",
             f"convexes of {REACH} rows are taken to wear alike: one facet alone is touched too seldom",
         ),
         files=(find_case(CHUTE_FOLDER),),
@@ -179,23 +178,16 @@ def arc_strip(pattern: Pattern, spacings: int, fineness: Fineness) -> EmbossedSt
 
 @dataclass(frozen=True)
 class Where:
-    """Which facets lie in zone 2, and which on convexes."""
+    """What part of each facet lies in zone 2, and which lie on convexes."""
 
-    zone_2: np.ndarray  # (f,) bool
-    on_convex: np.ndarray  # (f,) bool
+    zone_2: np.ndarray  # (f,) [-]
+    on_convex: np.ndarray  # (f,) [-] 1 or 0
     share: float  # [-] part of the chute's width that is simulated
 
-    @classmethod
-    def of(cls, strip: EmbossedStrip, surface: Surface, share: float) -> "Where":
-        """Zones by the facets' centres."""
-        angle = position_angle(surface.corner.mean(axis=1))
-        return cls((angle > chute.ZONE_2[0]) & (angle < chute.ZONE_2[1]), strip.on_convex, share)
-
-
-def volume_rate(loads: FacetLoads, where: np.ndarray, share: float) -> np.ndarray:
-    """(b,) [m3/s] that facets lose in each block, for the whole width of the chute"""
-    distance = loads.load_distance[:, where].sum(axis=1)
-    return chute.SPECIFIC_WEAR_RATE * distance / loads.duration / share
+    def volume_rate(self, loads: FacetLoads, part: np.ndarray | float = 1.0) -> np.ndarray:
+        """(b,) [m3/s] that zone 2, or `part` (f,) of it, loses in each block, for the whole width of the chute"""
+        distance = loads.load_distance @ (self.zone_2 * part)
+        return chute.SPECIFIC_WEAR_RATE * distance / loads.duration / self.share
 
 
 @dataclass(frozen=True)
@@ -207,9 +199,7 @@ class Measure:
     def __call__(self, history: History) -> tuple[Figure, ...]:
         """Wear of zone 2 when new and at the end of the run."""
         first, last = history.reports[0], history.reports[-1]
-        new, now = (
-            float(volume_rate(one.loads, self.where.zone_2, self.where.share).mean()) for one in (first, last)
-        )
+        new, now = (float(self.where.volume_rate(one.loads).mean()) for one in (first, last))
         return (
             Figure("wear of zone 2, new", 1e10 * new, "1e-10 m3/s"),
             Figure("wear of zone 2, at the end", 1e10 * now, "1e-10 m3/s"),

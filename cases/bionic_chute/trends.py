@@ -16,7 +16,7 @@ import numpy as np
 from scipy.stats import t as student
 
 from wearfem import __version__
-from wearfem.case import Window, load_any_case, parts_of
+from wearfem.case import Window, load_any_case
 from wearfem.liner.liner import wear_surface
 from wearfem.units import mm
 
@@ -74,19 +74,19 @@ def settings_of(seeds: int) -> Iterator[dict[str, float]]:
 def run(settings: dict[str, float]) -> Run:
     """Fill the chute with ore, then measure."""
     begun = time.monotonic()
-    case, parts = load_any_case(FOLDER, settings), parts_of(FOLDER)
+    case = load_any_case(FOLDER, settings)
     surface = wear_surface(case.liner)
     where = case.measure.where
     flow, _ = case.sampler.sample(case.flow, surface, Window(FILL))
     flow, loads = case.sampler.sample(flow, surface, Window(MEASURE, BLOCKS))
-    area, zone = loads.area, where.zone_2
-    shear = np.linalg.norm(loads.tangential_impulse[:, zone].sum(axis=0), axis=1).sum()
+    area = loads.area * where.zone_2
+    shear = where.zone_2 @ np.linalg.norm(loads.tangential_impulse.sum(axis=0), axis=1)
     return Run(
         settings,
-        parts.volume_rate(loads, zone, where.share).tolist(),
-        parts.volume_rate(loads, zone & where.on_convex, where.share).tolist(),
-        float(area[zone & where.on_convex].sum() / area[zone].sum()),
-        float(shear / loads.normal_impulse[:, zone].sum()),
+        where.volume_rate(loads).tolist(),
+        where.volume_rate(loads, where.on_convex).tolist(),
+        float(area @ where.on_convex / area.sum()),
+        float(shear / (loads.normal_impulse.sum(axis=0) @ where.zone_2)),
         float(np.linalg.norm(flow.particles.velocity, axis=1).mean()),
         flow.particles.count,
         time.monotonic() - begun,
@@ -135,7 +135,9 @@ def table(runs: list[Run]) -> None:
     for name, settings, printed in rows:
         if values := saved(runs, **settings):
             mean, half = interval([100.0 * one for one in values])
-            print(f"{name:28s}  {mean:6.1f} +- {half:4.1f}                    {len(values):3d}     {printed or ''}")
+            print(
+                f"{name:28s}  {mean:6.1f} +- {half:4.1f}                    {len(values):3d}     {printed or ''}"
+            )
     for one in runs:
         if one.settings == {**BASE, "seed": 1}:
             share = sum(one.on_convexes) / sum(one.zone_2)

@@ -150,7 +150,9 @@ def tile_with(pattern: Pattern, fineness: Fineness) -> Tile:
     inside = [np.cos(phi) * rim for phi in latitude[1:]]
     gap = np.linalg.norm(border - rim, axis=1).mean() / np.linalg.norm(rim, axis=1).mean()
     part = np.linspace(0.0, 1.0, fineness.rings_around + 1)
-    part = np.expm1(part * np.log1p(gap)) / gap  # each ring wider than the last, the first as wide as the mean
+    part = (
+        np.expm1(part * np.log1p(gap)) / gap
+    )  # each ring wider than the last, the first as wide as the mean
     around = [rim + share * (border - rim) for share in part]
     node = np.concatenate([np.zeros((1, 2)), *inside, *around])
     height = np.zeros(len(node))
@@ -198,7 +200,9 @@ class EmbossedStrip:
     height: np.ndarray  # (n,) [m] above the face
     triangle: np.ndarray  # (f, 3) normals up
     row: np.ndarray  # (f,) of the tile, along the flow
-    alike: np.ndarray  # (f,) the same for triangles at the same place of a tile, mirror images across the flow included
+    alike: (
+        np.ndarray
+    )  # (f,) the same for triangles at the same place of a tile, mirror images across the flow included
     on_convex: np.ndarray  # (f,) bool
 
     @property
@@ -281,8 +285,3 @@ def _towards_axis(node: np.ndarray, triangle: np.ndarray) -> np.ndarray:
     inward = -(a + b + c) * (1.0, 0.0, 1.0)
     turned = np.einsum("ti,ti->t", np.cross(b - a, c - a), inward) < 0.0
     return np.where(turned[:, None], triangle[:, ::-1], triangle)
-
-
-def position_angle(point: np.ndarray) -> np.ndarray:
-    """(k,) [rad] theta of points (k, 3), as in `bent_shell`"""
-    return np.arctan2(-point[:, 2], -point[:, 0])
