@@ -81,6 +81,7 @@ def case(
     staggered: bool = True,
     across_radius: float = 0.0,
     spacings: int = 1,
+    end: float = chute.ARC_END,
     shear_modulus: float = 0.065 * GPa,
     coarsening: float = 1.0,
     time_step_share: float = 0.25,
@@ -110,6 +111,8 @@ def case(
         Of the convexes across the flow [m]; 0: as their height.
     spacings
         How many times `spacing_across` the slice of the chute is wide; it is periodic across.
+    end
+        Angle [rad] up to which the arc is in the model, at least; what comes before it does not feel what is left out.
     shear_modulus
         Of the ore [Pa]; published 65 GPa.
     coarsening
@@ -140,7 +143,7 @@ def case(
     )
     convex = Convex(major_radius, across_radius or minor_radius, minor_radius)
     pattern = Pattern(convex, spacing_along, spacing_across, staggered)
-    strip = arc_strip(pattern, spacings, Fineness(sectors, rings, rings_around))
+    strip = arc_strip(pattern, spacings, end, Fineness(sectors, rings, rings_around))
     strip = strip if convexes else replace(strip, height=0.0 * strip.height)
     liner = Liner(bent_shell(strip, chute.RADIUS, BEGIN, THICKNESS, name="chute"), chute.STEEL)
     where = Where(chute.zone_share(wear_surface(liner), 2), strip.on_convex.astype(float), stream.share)
@@ -169,10 +172,10 @@ def case(
     )
 
 
-def arc_strip(pattern: Pattern, spacings: int, fineness: Fineness) -> EmbossedStrip:
-    """The face of the arc, rolled out, in whole tiles: the last one reaches over its end."""
+def arc_strip(pattern: Pattern, spacings: int, end: float, fineness: Fineness) -> EmbossedStrip:
+    """The face of the arc up to the angle `end` [rad], rolled out, in whole tiles: the last one reaches over it."""
     length, width = pattern.tile
-    rows = ceil(chute.RADIUS * (chute.ARC_END - BEGIN) / length)
+    rows = ceil(chute.RADIUS * (end - BEGIN) / length)
     return embossed_strip(pattern, rows, round(spacings * pattern.spacing_across / width), fineness)
 
 
