@@ -176,10 +176,7 @@ def main() -> None:
                 continue
             one = run(settings)
             write([*read(), one])
-            print(
-                f"{settings}  {1e10 * one.half:.3f}, {1e10 * one.zone_2:.3f}e-10 m3/s  {one.wall_time:.0f} s",
-                flush=True,
-            )
+            print(f"{settings}  {1e10 * one.rate:.3f}e-10 m3/s  {one.wall_time:.0f} s", flush=True)
     table(read())
 
 
