@@ -11,11 +11,12 @@ Frame: x along, y across, z up, the arc's centre at the origin. An angle on the 
 0 where the chute falls straight down, 90 degrees at its bottom.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import asin, cos, pi, sin, sqrt, tan
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -64,7 +65,9 @@ ARC_BEGIN = 20 * degree  # above it nothing touches the chute
 ARC_END = asin(ARC_DROP / RADIUS)
 STRAIGHT = 0.5  # [m] of chute after the arc
 THICKNESS = 20 * mm
-LAYERS = 2  # of elements through the thickness
+NINETY = 1.645  # [-] standard deviations within which 90 % lie
+DRAWN = 5.0  # [-] how much thicker the chute is drawn than it is
+LAYERS = 1  # of elements through the thickness, which a slice as wide as several facets are long needs to keep its shape
 WARM_UP = 0.6  # [s] from the first particle to a steady stream
 BLOCK = 0.05  # [s] over which loads are summed for their standard error
 BINS = 12  # of zone 2, for the speed of the stream
@@ -380,7 +383,7 @@ def case(
     coarsening: float = 2.0,
     time_step_share: float = 0.25,
     mesh_size: float = 10 * mm,
-    smoothing_length: float = 30 * mm,
+    smoothing_length: float = 10 * mm,
     limit_thickness: float = 8 * mm,
     tolerance: float = 0.05,
     window: float = 0.5 * second,
@@ -441,7 +444,7 @@ def case(
         longest_jump=longest_jump,
         stop=Stop(service_time=stop),
         frozen=frozen,
-        measure=lambda history: figures(history, stream),
+        measure=lambda history: figures(history, stream, liner),
         notes=shortcuts(stream, step),
         draw=draw,
     )
@@ -464,65 +467,81 @@ def shortcuts(stream: Stream, step: float) -> tuple[str, ...]:
     return (*notes, "what each of these does to the rates is measured: see the README of the case")
 
 
-def figures(history: History, stream: Stream) -> tuple[Figure, ...]:
+def figures(history: History, stream: Stream, new: Liner) -> tuple[Figure, ...]:
     """The life, and the rates of wear of the new and of the worn chute."""
-    told, surface, limit = history.life[-1], wear_surface(history.state.now.liner), 1.645
-    place = float(np.degrees(facet_angle(surface)[told.facet]))
-    first, last = (
-        zone_wear(sample.rate, surface, stream) for sample in (history.samples[0], history.samples[-1])
-    )
+    told, worn = history.life[-1], wear_surface(history.state.now.liner)
+    kept = worn.facet_count == len(new.mesh.wear)  # else all rates are told on the facets of another mesh
+    first = zone_wear(history.samples[0].rate, wear_surface(new) if kept else worn, stream)
+    last = zone_wear(history.samples[-1].rate, worn, stream)
     straight = float((history.allowed_depth / history.rate[0]).min())
     rows = [
         Figure("end of life", told.time / day, "d"),
-        Figure("end of life, half of its 90 % interval", told.error(limit) / day, "d"),
+        Figure("end of life, half of its 90 % interval", told.error(NINETY) / day, "d"),
         Figure("ore until then", told.time * FEED_RATE / kilotonne, "kt"),
         Figure("end of life, had the new chute's rate stayed", straight / day, "d"),
-        Figure("place that is worn out first", place, "degree"),
-    ]  # fmt: skip
-    for zone, (new, worn, printed) in enumerate(zip(first, last, PUBLISHED, strict=True), 1):
+        Figure("place that is worn out first", float(np.degrees(facet_angle(worn)[told.facet])), "degree"),
+    ]
+    for zone, (one, other, printed) in enumerate(zip(first, last, PUBLISHED, strict=True), 1):
         source = "Chen et al., section 4.1; see README.md for why it is not met"
-        name = f"zone {zone}, new chute"
-        rows.append(Figure(name, 1e10 * new.value, "1e-10 m3/s", 1e10 * printed, source))
-        rows.append(Figure(f"{name}, standard error", 1e10 * new.error, "1e-10 m3/s"))
-        rows.append(Figure(f"zone {zone}, worn chute", 1e10 * worn.value, "1e-10 m3/s"))
-        rows.append(Figure(f"zone {zone}, worn chute, standard error", 1e10 * worn.error, "1e-10 m3/s"))
-    return (
-        *rows,
-        Figure("cycles", len(history.reports), "-"),
-        Figure("flow sampled", history.simulated, "s"),
-    )
+        rows += [
+            Figure(f"zone {zone}, new chute", 1e10 * one.value, "1e-10 m3/s", 1e10 * printed, source),
+            Figure(f"zone {zone}, new chute, standard error", 1e10 * one.error, "1e-10 m3/s"),
+            Figure(f"zone {zone}, worn chute", 1e10 * other.value, "1e-10 m3/s"),
+            Figure(f"zone {zone}, worn chute, standard error", 1e10 * other.error, "1e-10 m3/s"),
+        ]
+    cost = Figure("cycles", len(history.reports), "-"), Figure("flow sampled", history.simulated, "s")
+    return (*rows, *cost)
 
 
 def draw(history: History, folder: Path) -> None:
-    """The chute from the side with its last stream, and what it has lost."""
-    worn = history.state.now.liner
-    draw_side(folder / "chute.png", history.state.flow, wear_surface(worn), history.depth[-1])
+    """The chute from the side with its last stream, and its thickness along itself over its life."""
+    surface, flow = wear_surface(history.state.now.liner), history.state.flow
+    middle = np.median(surface.point[:, 1])
+    y = surface.corner[:, :, 1]
+    row = np.unique(surface.facet[(y.min(axis=1) <= middle) & (y.max(axis=1) > middle)])
+    row = row[np.argsort(facet_angle(surface)[row])]
+    angle, thickness = np.degrees(facet_angle(surface)[row]), 1e3 * history.thickness[:, row]
+    with picture(folder / "chute.png", 2, size=(7.0, 5.6)) as (side, along_it):
+        _draw_side(side, flow, surface, row, thickness[-1])
+        shown = np.unique(np.linspace(0, len(thickness) - 1, 6).round().astype(int))
+        lines = {f"{history.service_time[k] / day:.0f} d": thickness[k] for k in shown}
+        draw_lines(along_it, angle, lines, "angle on the chute [degree]", "thickness left [mm]")
+        for border, zone in zip(np.degrees((ARC_BEGIN, *ZONE_2)), (1, 2, 3), strict=True):
+            along_it.axvline(border, color="0.6", linewidth=0.7)
+            along_it.annotate(
+                f" zone {zone}", (border, 1e3 * THICKNESS), va="bottom", fontsize=8, color="0.4"
+            )
 
 
-def draw_side(file: Path, flow: Flow, surface: Surface, depth: np.ndarray) -> None:
-    """A slice from the side: particles by their speed, and the depth (f,) [m] that the chute has lost along itself."""
-    from matplotlib.collections import EllipseCollection
+def _draw_side(axes: Any, flow: Flow, surface: Surface, row: np.ndarray, thickness: np.ndarray) -> None:
+    """Particles by their speed, and the chute by its thickness [mm] along a row of facets, drawn `DRAWN` times as thick as it is."""
+    from matplotlib.collections import EllipseCollection, PolyCollection
 
-    p, angle = flow.particles, facet_angle(surface)
-    order = np.argsort(angle)
-    with picture(file, 2, size=(6.5, 5.5)) as (side, profile):
-        size = 2.0 * p.radius
-        circles = EllipseCollection(
-            size, size, np.zeros(p.count), units="xy", offsets=p.position[:, [0, 2]], offset_transform=side.transData,
-            array=np.linalg.norm(p.velocity, axis=1), cmap="viridis", edgecolors="black", linewidths=0.1,
-        )  # fmt: skip
-        side.add_collection(circles)
-        x, z = surface.point[surface.point[:, 1] == surface.point[:, 1].min()][:, [0, 2]].T
-        side.plot(x, z, color="black", linewidth=1.5)
-        side.set(aspect="equal", xlabel="x [m]", ylabel="z [m]", title="the last stream")
-        side.figure.colorbar(circles, ax=side, label="speed [m/s]", shrink=0.8)
-        draw_lines(
-            profile,
-            np.degrees(angle[order]),
-            {"": 1e3 * depth[order]},
-            "angle on the chute [degree]",
-            "depth worn off [mm]",
-        )
-        for border in np.degrees(ZONE_2):
-            profile.axvline(border, color="0.6", linewidth=0.7)
-        profile.invert_yaxis()
+    p = flow.particles
+    circles = EllipseCollection(
+        2e3 * p.radius, 2e3 * p.radius, np.zeros(p.count), units="xy", offsets=1e3 * p.position[:, [0, 2]],
+        offset_transform=axes.transData, array=np.linalg.norm(p.velocity, axis=1), cmap="viridis", edgecolors="black", linewidths=0.1,
+    )  # fmt: skip
+    plates = []
+    for facet, left in zip(row, thickness, strict=True):
+        chosen = surface.facet == facet
+        corner = 1e3 * surface.corner[chosen].reshape(-1, 3)[:, [0, 2]]
+        ends = corner[[corner[:, 0].argmin(), corner[:, 0].argmax()]]
+        back = ends - DRAWN * left * surface.normal[chosen][0, [0, 2]]
+        plates.append(np.concatenate([ends, back[::-1]]))
+    chute = PolyCollection(
+        plates,
+        array=thickness,
+        cmap="inferno",
+        edgecolors="face",
+        linewidths=0.3,
+        clim=(np.floor(thickness.min()), 1e3 * THICKNESS),
+    )
+    axes.add_collection(chute)
+    axes.add_collection(circles)
+    axes.autoscale_view()
+    axes.set(aspect="equal", xlabel="x [mm]", ylabel="z [mm]")
+    axes.figure.colorbar(circles, ax=axes, label="speed of the ore [m/s]", shrink=0.7)
+    axes.figure.colorbar(
+        chute, ax=axes, label=f"thickness left [mm], drawn {DRAWN:g} times", shrink=0.7, location="left"
+    )

@@ -177,7 +177,7 @@ def test_a_hole_ends_the_life_or_is_opened():
     depth = 22e-3 * np.exp(-((x - 0.1) ** 2 + (y - 0.05) ** 2) / (2.0 * 0.03**2))
     worn = Worn(liner, np.zeros(72), np.full(72, np.inf), (Sample(0.0, np.full((4, 72), RATE), 1.0),))
     jump = Jump(1e7, "asked", 0.0, 0.0, 1.0, depth)
-    case = life_case(liner, goal=Goal(np.full(72, 19e-3)))
+    case = life_case(liner, goal=Goal(np.full(72, 19e-3)), throughput_rate=100.0)
     moved, taken, event = move(case, worn, jump)
     assert event.startswith("worn through at") and not event.endswith("opened")
     spare = 20e-3 - 0.05 * np.sqrt(0.02 * 0.1 / 6)  # all but a twentieth of a facet's length
@@ -185,6 +185,7 @@ def test_a_hole_ends_the_life_or_is_opened():
         spare / depth.max(), rel=0.1
     )  # in several rounds: the mesh spreads the deepest places
     assert moved.liner.service_time == pytest.approx(taken * 1e7, rel=1e-9)
+    assert moved.liner.throughput == pytest.approx(100.0 * moved.liner.service_time, rel=1e-12)  # rounding
     assert moved.receded.max() == pytest.approx(
         taken * depth.max(), rel=1e-9
     )  # sums of parts, also on new elements

@@ -58,6 +58,13 @@ BY_HAND = [
         0.5,
     ),
     (effects.AngularityLoss(2.0, (3.0, 0.0, 0.0)), {"position": np.array([-1.0, 5.0, 5.0])}, 1.0),
+    (effects.FactorCurve("pressure", (1e3, 2e3), (1.0, 2.0)), {"pressure": 1.25e3}, 1.25),
+    (effects.FactorCurve("pressure", (1e3, 2e3), (1.0, 2.0)), {"pressure": 5e3}, 2.0),
+    (
+        effects.FactorCurve("position", (0.0, 1.0), (1.0, 3.0), 1),
+        {"position": np.array([9.0, 0.5, 9.0])},
+        2.0,
+    ),
 ]
 
 

@@ -10,11 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import ndtr
 
-from wearfem.survey.curve import FactorCurve
 from wearfem.survey.history import History
 from wearfem.wear import effects as library
 from wearfem.wear.effect import FactorEffect
-from wearfem.wear.effects import Corrosion
+from wearfem.wear.effects import Corrosion, FactorCurve
 
 Suspect = FactorEffect | Corrosion
 KNOTS = 5  # of a free curve

@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from wearfem.errors import UserError
 from wearfem.loads import FacetLoads
 from wearfem.wear.effect import FactorEffect, Log, logged, power, require, require_steps, step, unit
 from wearfem.wear.features import WornLiner
@@ -450,3 +451,42 @@ class AngularityLoss(FactorEffect):
         """[-] by position (..., 3) [m]"""
         way = (np.asarray(position) - self.start) @ unit(self.along)
         return np.exp(-np.maximum(way, 0.0) / self.length)
+
+
+# By whatever carries the residual, where no formula of the library does.
+
+
+@dataclass(frozen=True)
+class FactorCurve(FactorEffect):
+    """A tabulated effect, which has no formula: straight lines between points over one feature, constant beyond.
+
+    **Source** a diagnosis, or a test. **Valid for** the range of the feature that it was found in; it says what carries the difference,
+    not why.
+    """
+
+    feature: str  # of `wearfem.wear.features`, or a column of the survey
+    at: tuple[float, ...]  # in SI, rising
+    ratio: tuple[float, ...]  # [-]
+    axis: int = -1  # of a position: 0, 1 or 2
+    log: Log | None = None  # of a feature that particles do not tell, for a run
+
+    def __post_init__(self) -> None:
+        if not self.feature:
+            raise UserError(
+                "a FactorCurve was given no feature; name the quantity that the factor depends on."
+            )
+        require_steps("FactorCurve", self.at, self.ratio, least=0.0)
+
+    @property
+    def needs(self) -> tuple[str, ...]:  # type: ignore[override]
+        """The one feature"""
+        return (self.feature,)
+
+    def known(self, loads: FacetLoads, liner: WornLiner) -> dict[str, Any]:
+        """From the log if there is one, at the liner's service time."""
+        return logged(self.feature, self.log, loads, liner)
+
+    def factor(self, **known: Any) -> Any:
+        """[-] by the feature"""
+        value = np.asarray(known[self.feature])
+        return np.interp(value if self.axis < 0 else value[..., self.axis], self.at, self.ratio)

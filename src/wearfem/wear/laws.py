@@ -93,6 +93,28 @@ class Combined:
         return self.sliding.volume(loads) + self.impact.volume(loads)
 
 
+@dataclass(frozen=True)
+class Scaled:
+    """A law whose coefficient was measured: all that it says, times one factor.
+
+    **Source** a calibration against readings. **Valid for** what the law is valid for, where the readings were taken.
+    """
+
+    law: WearLaw
+    factor: float  # [-] coefficient measured over the coefficient that the law has
+
+    def __post_init__(self) -> None:
+        require_number("factor", self.factor, "times the law")
+
+    def depth_rate(self, loads: FacetLoads, liner: Any = None) -> np.ndarray:
+        """(b, f) [m/s]"""
+        return self.factor * self.law.depth_rate(loads, liner)
+
+    def volume(self, loads: FacetLoads) -> np.ndarray:
+        """(f,) [m3]"""
+        return self.factor * self.law.volume(loads)
+
+
 def worn_depth(law: WearLaw, loads: FacetLoads, liner: Any = None) -> np.ndarray:
     """Depth that all blocks together wear off each facet, (f,) [m]: the sum of rate times duration."""
     return loads.duration @ law.depth_rate(loads, liner)
