@@ -51,24 +51,28 @@ class Alike:
 
     One facet of one convex is touched a few times in a second of flow. What all facets of the same place on some ten rows of convexes
     and their mirror images see is known ten times better. Volume is kept but for differences between the areas of these facets.
+    Rows before `first` do not wear: they are kept as new.
     """
 
     row: np.ndarray  # (f,) along the flow
     alike: np.ndarray  # (f,)
-    reach: int = REACH
+    first: int = 0  # row
+    reach: int = REACH  # rows
 
     def modify(self, rate: np.ndarray, loads: FacetLoads, liner: Any) -> np.ndarray:
-        """The rate (b, f) [m/s], averaged by area over facets alike and `reach` rows; reflected at the ends of the strip."""
+        """The rate (b, f) [m/s], averaged by area over facets alike and `reach` rows; reflected where the wearing rows end."""
         kinds, rows, count = self.alike.max() + 1, self.row.max() + 1, len(self.row)
         place = self.alike * rows + self.row
         gather = csr_array((loads.area, (place, np.arange(count))), shape=(kinds * rows, count))
 
         def over_rows(values: np.ndarray) -> np.ndarray:
             table = (gather @ values.T).T.reshape(-1, kinds, rows)
-            return uniform_filter1d(table, self.reach, axis=2, mode="reflect").reshape(-1, kinds * rows)
+            mean = uniform_filter1d(table[..., self.first :], self.reach, axis=2, mode="reflect")
+            table[..., self.first :] = mean
+            return table.reshape(-1, kinds * rows)
 
-        area = over_rows(np.ones((1, count)))
-        return (over_rows(rate) / np.maximum(area, 1e-300))[:, place]
+        mean = (over_rows(rate) / np.maximum(over_rows(np.ones((1, count))), 1e-300))[:, place]
+        return np.where(self.row >= self.first, mean, 0.0)
 
 
 def case(
@@ -92,6 +96,7 @@ def case(
     tolerance: float = 0.1,
     worn_off: float = 4 * mm,
     stop: float = 200 * hour,
+    renewed: bool = True,
     frozen: bool = False,
     seed: int = 1,
 ) -> LifeCase:
@@ -129,8 +134,11 @@ def case(
         Depth [m] at which a facet counts as worn out.
     stop
         Service time [s] at which to stop, where it comes before the end of life.
+    renewed
+        Keep the stretch before zone 2 as new, as if a plate there were replaced whenever it needs it: under the falling ore convexes
+        are gone several times sooner. Else it wears too.
     frozen
-        Keep the convexes as they are new.
+        Keep all convexes as they are new.
     seed
         Of the feed.
     """
@@ -146,6 +154,7 @@ def case(
     strip = arc_strip(pattern, spacings, end, Fineness(sectors, rings, rings_around))
     strip = strip if convexes else replace(strip, height=0.0 * strip.height)
     liner = Liner(bent_shell(strip, chute.RADIUS, BEGIN, THICKNESS, name="chute"), chute.STEEL)
+    before = ceil(chute.RADIUS * (chute.ZONE_2[0] - BEGIN) / pattern.tile[0]) if renewed else 0
     where = Where(chute.zone_share(wear_surface(liner), 2), strip.on_convex.astype(float), stream.share)
     return LifeCase(
         name="bionic_chute",
@@ -153,7 +162,7 @@ def case(
         sampler=Particles(lambda surface: replace(stream.model(surface), pair_skin=PAIR_SKIN * coarsening)),
         liner=liner,
         wear_law=Archard(chute.SPECIFIC_WEAR_RATE),
-        effects=(Alike(strip.row, strip.alike),),
+        effects=(Alike(strip.row, strip.alike, before),),
         goal=Goal(np.full(len(strip.row), worn_off), tolerance=tolerance),
         window=Window(window, 8),
         warm_up=0.4 * second,
@@ -166,6 +175,7 @@ def case(
             f"the ore's shear modulus is {shear_modulus:.3g} Pa instead of 65 GPa",
             f"the chute is a slice of {1e3 * stream.slice_width:g} mm, periodic across, and ends with its arc; rates are told for its "
             "whole width of 0.2 m",
+            *(("the stretch before zone 2 is kept as new",) if renewed else ()),
             f"convexes of {REACH} rows are taken to wear alike: one facet alone is touched too seldom",
         ),
         files=(find_case(CHUTE_FOLDER),),

@@ -107,6 +107,7 @@ def main() -> None:
     stop = Stop(service_time=given.stop * hour)
     case = replace(case, warm_up=WARM_UP, window=Window(WINDOW, BLOCKS), stop=stop)
     if not given.table:
+        given.run.mkdir(parents=True, exist_ok=True)
         live(case if cycles_of(given.run) else filled(case), given.run, quiet=True)
     found = moments(case, given.run)
     RESULTS.write_text(json.dumps([asdict(one) for one in found], indent=1) + "\n")
