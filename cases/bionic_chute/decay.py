@@ -25,7 +25,7 @@ from wearfem.wear.sampling import Sample, standard_error
 FOLDER = Path(__file__).parent
 RESULTS = FOLDER / "decay.json"
 MIDDLE = 0.5 * (35.34 + 64.15) * degree  # of zone 2: its upper half is in the model, as in trends.py
-KEYWORDS = {"sectors": 8, "rings": 2, "rings_around": 1, "tolerance": 0.3, "end": MIDDLE}
+KEYWORDS = {"sectors": 8, "rings": 2, "rings_around": 1, "tolerance": 0.3, "worn_off": 20 * mm, "end": MIDDLE}
 FILL, WARM_UP, WINDOW, BLOCKS = 0.35, 0.1, 0.1, 8  # [s], [s], [s], [-]
 
 
