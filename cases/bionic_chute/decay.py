@@ -25,7 +25,8 @@ from wearfem.wear.sampling import Sample, standard_error
 FOLDER = Path(__file__).parent
 RESULTS = FOLDER / "decay.json"
 MIDDLE = 0.5 * (35.34 + 64.15) * degree  # of zone 2: its upper half is in the model, as in trends.py
-KEYWORDS = {"sectors": 8, "rings": 2, "rings_around": 1, "tolerance": 0.3, "end": MIDDLE}
+KEYWORDS = {"sectors": 8, "rings": 2, "rings_around": 1, "tolerance": 0.3, "worn_off": 20 * mm, "end": MIDDLE}
+WIDE = float(student.ppf(0.95, 7))  # standard errors in half of a 90 % interval, of eight blocks
 FILL, WARM_UP, WINDOW, BLOCKS = 0.35, 0.1, 0.1, 8  # [s], [s], [s], [-]
 
 
@@ -40,6 +41,7 @@ class Moment:
     convex_height: float  # [m] mean of the tops over the mean of the matrix
     matrix_worn: float  # [m] mean
     convex_share: float  # [-] of the wear
+    by_place: list[float]  # [m/s] depth rate by place on a tile: `alike` of the strip
     version: str = __version__
 
 
@@ -56,6 +58,9 @@ def moment(case: LifeCase, report: CycleReport, worn: Worn, sample: Sample) -> M
     top, matrix = height > 0.999 * height.max(), height == 0.0
     blocks = (sample.rate * report.loads.area) @ where.zone_2 / where.share
     rate = float(where.volume_rate(report.loads).mean())
+    alike = case.effects[0].alike
+    depth_rate = case.wear_law.depth_rate(report.loads)[0]
+    area = report.loads.area * where.zone_2
     return Moment(
         report.service_time,
         report.throughput,
@@ -64,6 +69,7 @@ def moment(case: LifeCase, report: CycleReport, worn: Worn, sample: Sample) -> M
         float(mesh.thickness[top].mean() - mesh.thickness[matrix].mean()),
         float((new.thickness - mesh.thickness)[matrix].mean()),
         float(where.volume_rate(report.loads, where.on_convex).mean()) / rate,
+        (np.bincount(alike, depth_rate * area) / np.bincount(alike, area)).tolist(),
     )
 
 
@@ -78,17 +84,59 @@ def moments(case: LifeCase, run: Path) -> list[Moment]:
     return found
 
 
+def read() -> list[Moment]:
+    """What is shipped."""
+    return [Moment(**row) for row in json.loads(RESULTS.read_text())]
+
+
+def smooth_rate() -> float:
+    """[m3/s] of the upper half of zone 2 without convexes: mean over the seeds of trends.py"""
+    rows = json.loads((FOLDER / "trends.json").read_text())
+    smooth = [row for row in rows if row["settings"].get("convexes") is False]
+    return float(
+        np.mean([np.mean(row["upper"]) for row in smooth if row["settings"]["span"] == "upper half"])
+    )
+
+
+@dataclass(frozen=True)
+class Lost:
+    """What the upper half of zone 2 has lost up to each moment, and what it would have lost with its convexes as they were new."""
+
+    moving: np.ndarray  # (c,) [m3] trapezoid rule
+    moving_error: np.ndarray  # (c,) [m3] standard error, samples taken as independent
+    kept: np.ndarray  # (c,) [m3]
+    kept_error: np.ndarray  # (c,) [m3]
+
+
+def lost(found: list[Moment]) -> Lost:
+    """From the rates of the samples."""
+    time, rate, error = (
+        np.array([getattr(one, name) for one in found]) for name in ("service_time", "rate", "error")
+    )
+    weight = np.zeros((len(time), len(time)))  # of each sample in what is lost up to each moment [s]
+    for k in range(1, len(time)):
+        step = time[k] - time[k - 1]
+        weight[k] = weight[k - 1]
+        weight[k, k - 1 : k + 1] += 0.5 * step
+    return Lost(weight @ rate, np.sqrt(weight**2 @ error**2), rate[0] * time, error[0] * time)
+
+
 def table(found: list[Moment], smooth: float) -> None:
-    """Print the saving against throughput, with and without the change of the geometry."""
-    wide = float(student.ppf(0.95, BLOCKS - 1))
-    print("throughput   convexes left   matrix worn    wear saved [%] (90 %)   as if kept new")
-    for one in found:
-        saved, half = (100.0 * (1.0 - one.rate / smooth), 100.0 * wide * one.error / smooth)
-        first = 100.0 * (1.0 - found[0].rate / smooth)
+    """Print the saving against throughput, and what is lost with and without the change of the geometry."""
+    so_far = lost(found)
+    print("upper half of zone 2, 90 % intervals over the blocks of a sample")
+    print(
+        "throughput  convexes left  matrix worn   wear saved [%]   lost so far [cm3]   with convexes kept as new [cm3]"
+    )
+    for k, one in enumerate(found):
+        saved, half = (100.0 * (1.0 - one.rate / smooth), 100.0 * WIDE * one.error / smooth)
         print(
-            f"{1e-6 * one.throughput:7.2f} kt   {1e3 * one.convex_height:8.3f} mm   {1e3 * one.matrix_worn:8.4f} mm   "
-            f"{saved:8.1f} +- {half:4.1f}          {first:8.1f}"
+            f"{1e-6 * one.throughput:7.2f} kt  {1e3 * one.convex_height:8.3f} mm  {1e3 * one.matrix_worn:8.4f} mm   "
+            f"{saved:6.1f} +- {half:4.1f}   {1e6 * so_far.moving[k]:7.2f} +- {1e6 * WIDE * so_far.moving_error[k]:4.2f}     "
+            f"{1e6 * so_far.kept[k]:7.2f} +- {1e6 * WIDE * so_far.kept_error[k]:4.2f}"
         )
+    end, hours = found[-1].service_time / hour, so_far.moving[-1] / found[0].rate / hour
+    print(f"what is lost in {end:.0f} h would take {hours:.0f} h if the convexes stayed as they were new")
 
 
 def main() -> None:
@@ -111,12 +159,7 @@ def main() -> None:
         live(case if cycles_of(given.run) else filled(case), given.run, quiet=True)
     found = moments(case, given.run)
     RESULTS.write_text(json.dumps([asdict(one) for one in found], indent=1) + "\n")
-    smooth = [
-        np.mean(row["upper"])
-        for row in json.loads((FOLDER / "trends.json").read_text())
-        if row["settings"].get("convexes") is False and row["settings"]["span"] == "upper half"
-    ]
-    table(found, float(np.mean(smooth)))
+    table(found, smooth_rate())
 
 
 if __name__ == "__main__":

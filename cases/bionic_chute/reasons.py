@@ -7,7 +7,6 @@ what the paper leaves open. Results are kept in `reasons.json`.
 import argparse
 import json
 import os
-import sys
 from collections.abc import Callable
 from dataclasses import replace
 from math import cos, sin
@@ -53,8 +52,8 @@ VARIANTS: dict[str, tuple[dict, Callable[[Model], Model]]] = {
 }
 
 
-def rates(settings: dict, change: Callable[[Model], Model]) -> list[float]:
-    """[m3/s] by block, worn off the upper half of zone 2"""
+def measured(settings: dict, change: Callable[[Model], Model]) -> dict[str, list[float]]:
+    """On the upper half of zone 2: wear [m3/s] by block, mean normal force on the whole width [N], mean slip speed under it [m/s]"""
     case: LifeCase = load_any_case(FOLDER, {**MESH, **settings})
     model = case.sampler.model
 
@@ -64,7 +63,13 @@ def rates(settings: dict, change: Callable[[Model], Model]) -> list[float]:
     sampler, surface = Particles(changed), wear_surface(case.liner)
     flow, _ = sampler.sample(case.flow, surface, Window(FILL))
     _, loads = sampler.sample(flow, surface, Window(MEASURE, BLOCKS))
-    return case.measure.where.volume_rate(loads).tolist()
+    where = case.measure.where
+    pressed = float((loads.normal_impulse @ where.zone_2).sum())  # [N s]
+    return {
+        "wear": where.volume_rate(loads).tolist(),
+        "force": [pressed / float(loads.duration.sum()) / where.share],
+        "slip": [float((loads.load_distance @ where.zone_2).sum()) / pressed],
+    }
 
 
 def saved(smooth: list[float], embossed: list[float]) -> tuple[float, float]:
@@ -82,18 +87,20 @@ def main() -> None:
     done = json.loads(RESULTS.read_text()) if RESULTS.exists() else {}
     for name, (settings, change) in VARIANTS.items():
         if name not in done and not given.table:
-            done[name] = [rates({**settings, "convexes": convexes}, change) for convexes in (False, True)]
+            done[name] = [measured({**settings, "convexes": convexes}, change) for convexes in (False, True)]
             beside = RESULTS.with_suffix(".new")
             beside.write_text(json.dumps(done, indent=1) + "\n")
             os.replace(beside, RESULTS)
         if name in done:
-            value, half = saved(*done[name])
-            smooth, embossed = (1e10 * np.mean(one) for one in done[name])
+            smooth, embossed = done[name]
+            value, half = saved(smooth["wear"], embossed["wear"])
+            force, slip = (embossed[what][0] / smooth[what][0] for what in ("force", "slip"))
             print(
-                f"{name:42s} smooth {smooth:.3f}, convexes {embossed:.3f} e-10 m3/s, saved {100 * value:.1f} +- {100 * half:.1f} %",
+                f"{name:42s} smooth {1e10 * np.mean(smooth['wear']):.3f}, convexes {1e10 * np.mean(embossed['wear']):.3f} e-10 m3/s; "
+                f"saved {100 * value:.1f} +- {100 * half:.1f} %: force x {force:.3f}, slip speed x {slip:.3f}",
                 flush=True,
             )
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

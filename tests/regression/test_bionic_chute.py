@@ -45,8 +45,8 @@ def test_one_cycle_moves_the_convexes_and_keeps_the_volume():
     state, report = cycle(case, first_state(case))
     before, now = case.liner.mesh, state.now.liner.mesh
     asked = float(report.jump.recession @ wear_surface(case.liner).facet_area)
-    # Volumes of 3e-4 m3 are known to 1e-15 of themselves at best; the recession is exact to 1e-10.
-    assert volume(before) - volume(now) == pytest.approx(asked, rel=1e-4)
+    # One recession is exact to 1e-10; the walls between the normals of a shell's rim twist a little (test_convexes.py).
+    assert volume(before) - volume(now) == pytest.approx(asked, rel=1e-5, abs=0.0)
     assert asked > 0.0
     lost = before.thickness - now.thickness
     height = before.thickness - before.thickness.min()
