@@ -68,7 +68,7 @@ THICKNESS = 20 * mm
 NINETY = 1.645  # [-] standard deviations within which 90 % lie
 DRAWN = 5.0  # [-] how much thicker the chute is drawn than it is
 LAYERS = 1  # of elements through the thickness, which a slice as wide as several facets are long needs to keep its shape
-WARM_UP = 0.6  # [s] from the first particle to a steady stream
+WARM_UP = 0.5  # [s] from the first particle to a steady stream
 BLOCK = 0.05  # [s] over which loads are summed for their standard error
 BINS = 12  # of zone 2, for the speed of the stream
 BAND = 1 * degree  # on both sides of an angle, where the stream's speed is taken
@@ -378,15 +378,15 @@ def theory(stream: Passage) -> Theory:
 
 def case(
     *,
-    slice_width: float = 70 * mm,
+    slice_width: float = 85 * mm,
     shear_modulus: float = 65 * MPa,
-    coarsening: float = 2.0,
+    coarsening: float = 2.5,
     time_step_share: float = 0.25,
     mesh_size: float = 10 * mm,
     smoothing_length: float = 10 * mm,
     limit_thickness: float = 8 * mm,
     tolerance: float = 0.05,
-    window: float = 0.5 * second,
+    window: float = 0.4 * second,
     longest_jump: float = 1e12,
     frozen: bool = False,
     stop: float = 1e12,
