@@ -46,6 +46,7 @@ ROWS: dict[str, Mapping[str, Any]] = {
     "modulus 65 GPa": BASE | {"shear_modulus": 65e9, "time_step_share": 0.8},
     "time step halved": BASE | {"time_step_share": 0.125},
     "slice twice as wide": BASE | {"slice_width": 0.14},
+    "whole chute with its sides": BASE | {"slice_width": 0.0, "mesh_size": 20e-3},
     "mesh 5 mm": BASE | {"mesh_size": 5e-3},
     "other seed": BASE | {"seed": 2},
     "without rolling": BASE | {"rolling_friction": 1.0},
