@@ -152,7 +152,7 @@ def stream(seconds: float, noise: float, **settings: Any) -> Iterator[Claim]:
     if rolls:
         limit, why = (
             np.inf,
-            f"balls that roll slide at {slip:.3f} of the stream's speed; without rolling the 2 % are met",
+            f"balls that roll slide at {slip:.3f} of the stream's speed, and larger balls at less",
         )
     else:
         limit, why = allowed, f"balls that cannot roll slide at {slip:.3f} of the stream's speed; {reason}"
