@@ -67,7 +67,7 @@ STRAIGHT = 0.5  # [m] of chute after the arc
 THICKNESS = 20 * mm
 NINETY = 1.645  # [-] standard deviations within which 90 % lie
 DRAWN = 5.0  # [-] how much thicker the chute is drawn than it is
-LAYERS = 2  # of elements through the thickness
+LAYERS = 1  # of elements through the thickness, which a slice as wide as several facets are long needs to keep its shape
 WARM_UP = 0.6  # [s] from the first particle to a steady stream
 BLOCK = 0.05  # [s] over which loads are summed for their standard error
 BINS = 12  # of zone 2, for the speed of the stream
@@ -383,7 +383,7 @@ def case(
     coarsening: float = 2.0,
     time_step_share: float = 0.25,
     mesh_size: float = 10 * mm,
-    smoothing_length: float = 30 * mm,
+    smoothing_length: float = 10 * mm,
     limit_thickness: float = 8 * mm,
     tolerance: float = 0.05,
     window: float = 0.5 * second,
@@ -530,7 +530,12 @@ def _draw_side(axes: Any, flow: Flow, surface: Surface, row: np.ndarray, thickne
         back = ends - DRAWN * left * surface.normal[chosen][0, [0, 2]]
         plates.append(np.concatenate([ends, back[::-1]]))
     chute = PolyCollection(
-        plates, array=thickness, cmap="inferno", clim=(np.floor(thickness.min()), 1e3 * THICKNESS)
+        plates,
+        array=thickness,
+        cmap="inferno",
+        edgecolors="face",
+        linewidths=0.3,
+        clim=(np.floor(thickness.min()), 1e3 * THICKNESS),
     )
     axes.add_collection(chute)
     axes.add_collection(circles)

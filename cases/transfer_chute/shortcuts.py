@@ -4,6 +4,10 @@
 
 Every row lets the ore run for 0.6 s, then samples a steady stream, and tells rates of wear by zone, friction, speeds and the closed form at
 these, each with its standard error over blocks of 50 ms. All rows together take about an hour; `published slice` alone takes most of it.
+    python cases/transfer_chute/shortcuts.py --worn RUN
+
+tells of the stream over the chute at the end of a run's life, beside that over the new one with the same keywords.
+
 With `--json` each row is written when it is done, and those that the file holds already are not run again.
 """
 
@@ -16,8 +20,10 @@ from pathlib import Path
 from typing import Any
 
 from wearfem.case import LifeCase, Window, load_any_case
+from wearfem.dem.flow import Flow
 from wearfem.dem.sample import sample
-from wearfem.liner.liner import wear_surface
+from wearfem.history import read_history
+from wearfem.liner.liner import Liner, wear_surface
 
 CASE = Path(__file__).parent
 SNAPSHOT = 0.02  # [s]
@@ -30,6 +36,7 @@ ROWS: dict[str, Mapping[str, Any]] = {
     "ore 8 mm": FINE,
     "modulus 16 MPa": {"shear_modulus": 16.25e6},
     "modulus 650 MPa": {"shear_modulus": 650e6},
+    "modulus 65 GPa": {"shear_modulus": 65e9, "time_step_share": 0.8},
     "time step halved": {"time_step_share": 0.125},
     "slice twice as wide": {"slice_width": 0.14},
     "mesh 5 mm": {"mesh_size": 5e-3},
@@ -38,32 +45,37 @@ ROWS: dict[str, Mapping[str, Any]] = {
 }  # fmt: skip
 
 
-def new_chute(settings: Mapping[str, Any], seconds: float) -> dict[str, Any]:
-    """What a new chute's stream tells with these keywords [SI]: numbers with their standard errors, by name."""
+def told(
+    settings: Mapping[str, Any], seconds: float, liner: Liner | None = None, start: Flow | None = None
+) -> dict[str, Any]:
+    """What a stream tells with these keywords [SI]: numbers with their standard errors, by name.
+
+    It runs over the new chute from an empty one, or over `liner` from the flow `start`.
+    """
     case = load_any_case(CASE, settings)
     assert isinstance(case, LifeCase)
     module = sys.modules[case.measure.__module__]  # type: ignore[union-attr]
     stream = case.sampler.model.__self__  # type: ignore[attr-defined]
-    surface = wear_surface(case.liner)
+    surface = wear_surface(liner or case.liner)
     model = stream.model(surface)
     begun = time.process_time()
-    flow, _, _ = sample(case.flow, model, Window(case.warm_up))
+    flow, _, _ = sample(start or case.flow, model, Window(case.warm_up))
     window = Window(seconds, round(seconds / module.BLOCK), round(seconds / SNAPSHOT))
     flow, loads, snapshots = sample(flow, model, window)
-    told = module.passage(stream, surface, loads, snapshots)
+    passage = module.passage(stream, surface, loads, snapshots)
     found = {
         f"zone {zone} [1e-10 m3/s]": (1e10 * one.value, 1e10 * one.error)
-        for zone, one in enumerate(told.wear, 1)
+        for zone, one in enumerate(passage.wear, 1)
     }
-    closed = module.theory(told)
+    closed = module.theory(passage)
     for name, one, factor in (
         ("zone 2, closed form [1e-10 m3/s]", closed.wear, 1e10),
-        ("zone 2 over closed form [-]", told.wear[1].over(closed.wear), 1.0),
-        ("sliding over stream speed [-]", told.slip, 1.0),
-        ("normal force over closed form [-]", told.normal_force.over(closed.normal_force), 1.0),
-        ("exit speed over closed form [-]", told.exit_speed.over(closed.exit_speed), 1.0),
-        ("mu_e [-]", told.friction, 1.0),
-        ("entry speed [m/s]", told.entry_speed, 1.0),
+        ("zone 2 over closed form [-]", passage.wear[1].over(closed.wear), 1.0),
+        ("sliding over stream speed [-]", passage.slip, 1.0),
+        ("normal force over closed form [-]", passage.normal_force.over(closed.normal_force), 1.0),
+        ("exit speed over closed form [-]", passage.exit_speed.over(closed.exit_speed), 1.0),
+        ("mu_e [-]", passage.friction, 1.0),
+        ("entry speed [m/s]", passage.entry_speed, 1.0),
     ):
         found[name] = (factor * one.value, factor * one.error)
     return {
@@ -72,7 +84,7 @@ def new_chute(settings: Mapping[str, Any], seconds: float) -> dict[str, Any]:
         "figures": found,
         "particles": flow.particles.count,
         "time step [s]": model.time_step,
-        "centre of the stream [mm]": 1e3 * told.centre,
+        "centre of the stream [mm]": 1e3 * passage.centre,
         "core time [s]": time.process_time() - begun,
     }
 
@@ -95,11 +107,23 @@ def main() -> None:
     )
     parser.add_argument("--seconds", type=float, default=2.0, help="of steady stream")
     parser.add_argument("--json", type=Path, metavar="FILE")
+    parser.add_argument("--worn", type=Path, metavar="RUN", help="a run folder of this case")
     given = parser.parse_args()
+    if given.worn:
+        state = read_history(given.worn).state
+        settings = json.loads((given.worn / "manifest.json").read_text())["settings"]
+        rows = {
+            "new": told(settings, given.seconds),
+            "worn": told(settings, given.seconds, state.now.liner, state.flow),
+        }
+        print("row, particles, time step [s], " + ", ".join(rows["new"]["figures"]) + ", core time [s]")
+        for name, row in rows.items():
+            print(line(name, row), flush=True)
+        return
     done = json.loads(given.json.read_text()) if given.json and given.json.exists() else {}
     for name in given.only:
         if name not in done:
-            done[name] = new_chute(ROWS[name], given.seconds)
+            done[name] = told(ROWS[name], given.seconds)
             if given.json:
                 given.json.write_text(json.dumps(done, indent=1))
         if name == given.only[0]:
