@@ -61,7 +61,7 @@ PLATE = Site(
 CHUTE = Site(
     HERE / "cases" / "transfer_chute",
     {
-        "coarsening": 3.0, "window": 1.0, "mesh_size": 20 * mm,
+        "coarsening": 3.0, "slice_width": 100 * mm, "window": 1.0, "mesh_size": 20 * mm,
         "smoothing_length": 80 * mm,
     },
     55 * day,

@@ -8,7 +8,7 @@ import numpy as np
 from wearfem.errors import in_words
 from wearfem.survey.backtest import NAMES, BackTest
 from wearfem.survey.calibrate import Calibration
-from wearfem.survey.diagnose import NOISE_LEVEL, PLACE, SHAPE, Diagnosis, Effect, Parameter, Score
+from wearfem.survey.diagnose import NOISE_LEVEL, PLACE, Diagnosis, Effect, Parameter, Score
 from wearfem.survey.doubt import Doubt
 from wearfem.survey.forecast import SHARE, End, Forecast
 from wearfem.survey.residual import NoiseTest
@@ -69,7 +69,8 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
                 ("", f"without the held-out readings the choice would have been: {in_words(list(without))}")
             )
     rows.append(("verdict", VERDICT[found.verdict]))
-    if any(SHAPE in effect.indistinguishable_from for effect in found.effects):
+    course = found.survey.course
+    if found.effects and course is not None and not course.follows_shape:
         rows.append(
             (
                 "",
