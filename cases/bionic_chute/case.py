@@ -12,7 +12,7 @@ upper half costs a sixth of the whole.
 """
 
 from dataclasses import dataclass, replace
-from math import ceil, radians
+from math import ceil, degrees, radians
 from pathlib import Path
 from typing import Any
 
@@ -179,7 +179,7 @@ def case(
         measure=Measure(where),
         notes=(
             f"the ore's shear modulus is {shear_modulus:.3g} Pa instead of 65 GPa",
-            f"the chute is a slice of {1e3 * stream.slice_width:g} mm, periodic across, and ends with its arc; rates are told for its "
+            f"the chute is a slice of {1e3 * stream.slice_width:g} mm, periodic across, and ends at {degrees(end):.4g} degrees; rates are told for its "
             "whole width of 0.2 m",
             *(("the stretch before zone 2 is kept as new",) if renewed else ()),
             f"convexes of {REACH} rows are taken to wear alike: one facet alone is touched too seldom",
