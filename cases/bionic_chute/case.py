@@ -179,8 +179,8 @@ def case(
         measure=Measure(where),
         notes=(
             f"the ore's shear modulus is {shear_modulus:.3g} Pa instead of 65 GPa",
-            f"the chute is a slice of {1e3 * stream.slice_width:g} mm, periodic across, and ends at {degrees(end):.4g} degrees; rates are told for its "
-            "whole width of 0.2 m",
+            f"the chute is a slice of {1e3 * stream.slice_width:g} mm, periodic across, and ends at {degrees(end):.4g} degrees; rates are "
+            "told for its whole width of 0.2 m",
             *(("the stretch before zone 2 is kept as new",) if renewed else ()),
             f"convexes of {REACH} rows are taken to wear alike: one facet alone is touched too seldom",
         ),
