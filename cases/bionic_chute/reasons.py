@@ -20,11 +20,12 @@ from wearfem.cycle import Particles
 from wearfem.dem.flow import Model
 from wearfem.liner.liner import wear_surface
 from wearfem.surface import Surface
-from wearfem.units import GPa, degree
+from wearfem.units import GPa
 
 FOLDER = Path(__file__).parent
 RESULTS = FOLDER / "reasons.json"
-MIDDLE = 0.5 * (35.34 + 64.15) * degree
+PARTS = parts_of(FOLDER)
+MIDDLE = PARTS.MIDDLE  # [rad] of zone 2
 MESH = {"sectors": 8, "rings": 3, "rings_around": 1, "end": MIDDLE}
 FILL, MEASURE, BLOCKS = 0.35, 0.15, 8  # [s], [s], [-]
 
@@ -36,7 +37,7 @@ def as_it_falls(model: Model) -> Model:
 
 def without_its_fall(model: Model) -> Model:
     """Ore that comes on along the chute with the speed that it has falling, so that it loses none where it lands."""
-    chute = parts_of(FOLDER).chute
+    chute = PARTS.chute
     speed = float(np.linalg.norm(chute.VELOCITY))
     tangent = (speed * sin(chute.ONSET), 0.0, -speed * cos(chute.ONSET))
     return replace(model, inlets=tuple(replace(inlet, velocity=tangent) for inlet in model.inlets))

@@ -25,7 +25,8 @@ from wearfem.units import degree, mm
 
 FOLDER = Path(__file__).parent
 RESULTS = FOLDER / "trends.json"
-MIDDLE = 0.5 * (35.34 + 64.15) * degree  # of zone 2
+PARTS = parts_of(FOLDER)
+MIDDLE = PARTS.MIDDLE  # [rad] of zone 2
 SPANS = {
     "upper half": (MIDDLE, 0.35, 0.15),
     "zone 2": (64.15 * degree, 0.6, 0.2),
@@ -85,7 +86,7 @@ def run(settings: dict[str, Any]) -> Run:
     case = load_any_case(FOLDER, {**keywords, "end": end})
     surface = wear_surface(case.liner)
     where = case.measure.where
-    upper = (parts_of(FOLDER).chute.facet_angle(surface) < MIDDLE).astype(float)
+    upper = (PARTS.chute.facet_angle(surface) < MIDDLE).astype(float)
     flow, _ = case.sampler.sample(case.flow, surface, Window(fill))
     flow, loads = case.sampler.sample(flow, surface, Window(measure, BLOCKS))
     area = loads.area * where.zone_2 * upper
