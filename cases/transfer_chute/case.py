@@ -386,7 +386,7 @@ def case(
     rolling_friction: float = 0.3,
     time_step_share: float = 0.25,
     mesh_size: float = 10 * mm,
-    smoothing_length: float = 10 * mm,
+    smoothing_length: float = 30 * mm,
     limit_thickness: float = 8 * mm,
     tolerance: float = 0.05,
     window: float = 0.4 * second,
