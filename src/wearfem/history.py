@@ -21,7 +21,7 @@ from wearfem import __version__
 from wearfem.cycle import CycleReport, State, Worn
 from wearfem.errors import UserError
 from wearfem.liner.breakthrough import thickness
-from wearfem.liner.liner import wear_surface
+from wearfem.liner.liner import Liner, wear_surface
 from wearfem.record import hdf5_file, write_json, write_surface
 from wearfem.values import read_value, write_value
 from wearfem.wear.jump import Jump, Life, corrected_depth
@@ -103,6 +103,12 @@ def read_cycle(run: Path, number: int) -> tuple[State, CycleReport]:
     place = run / CYCLES / f"{number:04d}.h5"
     bare, report = _read(place, lambda file: (read_value(file, "state"), read_value(file, "report")))
     return _with_samples(run, bare), report
+
+
+def read_sampled(run: Path, number: int) -> tuple[Liner, CycleReport]:
+    """The liner that a cycle sampled, and the report on it; of a cycle that was not kept, the liner is the one before."""
+    place = run / CYCLES / f"{number:04d}.h5"
+    return _read(place, lambda file: (read_value(file["state"]["kept"], "liner"), read_value(file, "report")))
 
 
 def read_report(run: Path, number: int) -> CycleReport:

@@ -49,9 +49,15 @@ def diagnose_survey(
 
 
 def _read(survey: Path, progress: str, exposure: Path | None, run: Path | None) -> Survey:
-    if run is not None:
+    if run is None:
+        return read_survey(survey, progress=progress, exposure=exposure)
+    if exposure is not None:
         raise UserError(
-            f"--run {run} was given, and runs do not tell the exposure of survey points yet; give --exposure with a CSV file "
-            "(point, exposure and features of the state)"
+            f"--run {run} and --exposure {exposure} were given; both tell the exposure of points: give one of them"
         )
-    return read_survey(survey, progress=progress, exposure=exposure)
+    from wearfem.exposure import exposed_by_run  # here, since it loads the liner
+
+    read = read_survey(survey, progress=progress)
+    if read.exposure_known:
+        raise UserError(f"{survey} has a column exposure, and --run {run} was given too; give one of them")
+    return exposed_by_run(read, run)

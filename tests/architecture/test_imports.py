@@ -11,6 +11,7 @@ PACKAGE = Path(__file__).parents[2] / "src" / "wearfem"
 LAYERS = (
     {"cli"},
     {"verify", "bench", "check", "measured"},
+    {"exposure"},
     {"proofs"},
     {"benchmarks"},
     {"report_page"},

@@ -79,6 +79,8 @@ def calibrate(survey: Survey) -> Calibration:
     left = data.worn - data.past.of_rows(found.depth)
     si = {"um": "m", "mm": "m", "cm": "m", "g": "kg", "mg": "kg", "mm3": "m3", "cm3": "m3"}
     unit = f"{si.get(survey.measured_unit, survey.measured_unit)} per unit of exposure and {survey.progress_unit or survey.progress_name}"
+    if survey.course is not None:
+        unit = "times the run's own wear"
     factor = survey.measured_factor
     return Calibration(
         value, interval, unit, found.spread.gauge / factor, float(np.sqrt(np.mean(left**2))) / factor, doubts,

@@ -4,11 +4,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import least_squares
 
 from wearfem.errors import UserError, in_words
-from wearfem.survey.candidates import log_steps
+from wearfem.survey.candidates import Candidate, log_steps
 from wearfem.survey.choose import EVEN_BOOK, EVEN_SCALE, EVEN_SCATTER, Choice, choose, uneven
 from wearfem.survey.doubt import Doubt, doubted
+from wearfem.survey.history import Model, depths
 from wearfem.survey.identify import COEFFICIENT_PRIOR, Fit, Readings, fit, readings
 from wearfem.survey.next_reading import Suggestion, suggestion
 from wearfem.survey.nuisance import nuisances
@@ -19,6 +21,7 @@ from wearfem.wear.effects import BuildUp, OreChange
 NOISE_LEVEL = 0.01  # false alarms of all tests together, below which what is left is not noise
 LEAST_READINGS = 8
 PLACE = ("centre_x", "centre_y", "centre_z", "radius")  # of a patch, in metres
+SHAPE = "change of shape with wear"
 WIDTH_90 = 1.645  # standard deviations, 90 % of a normal distribution
 
 
@@ -183,11 +186,15 @@ def _as_score(
 
 def _baseline(data: Readings, held: np.ndarray, factor: float) -> Score:
     """The model as it is: one coefficient by least squares, no nuisances"""
-    from wearfem.survey.history import Model, depths
+    train = data.only(~held)
 
-    steady = data.past.of_rows(depths(data.past, Model(1.0)))
-    k = float(steady[~held] @ data.worn[~held]) / float(steady[~held] @ steady[~held])
-    left = data.worn - k * steady
+    def left_of(log: np.ndarray) -> np.ndarray:
+        wear = depths(data.past, Model(data.coefficient * float(np.exp(log[0]))))
+        return (train.worn - train.past.of_rows(wear)) / data.reference
+
+    best = least_squares(left_of, np.zeros(1), method="lm").x
+    wear = data.past.of_rows(depths(data.past, Model(data.coefficient * float(np.exp(best[0])))))
+    left = data.worn - wear
     return _as_score(left[~held], left[held], data, int((~held).sum()) - 1, factor)
 
 
@@ -229,6 +236,8 @@ def _effects(choice: Choice) -> tuple[Effect, ...]:
             alike.append(suspect.twin)
         if isinstance(effect, OreChange):
             alike.append("a step in the tonnage book")
+        if _may_be_shape(choice, suspect):
+            alike.append(SHAPE)
         found.append(
             Effect(
                 suspect.name, _parameters(best, i, at), choice.probability(suspect.name), tuple(dict.fromkeys(alike)),
@@ -238,6 +247,12 @@ def _effects(choice: Choice) -> tuple[Effect, ...]:
         at += len(suspect.free)
     assert len(built) == len(found)
     return tuple(found)
+
+
+def _may_be_shape(choice: Choice, suspect: Candidate) -> bool:
+    """Whether an effect may be the shape that wears, which the run did not follow"""
+    course = choice.best.readings.survey.course
+    return suspect.quantity in {"depth", "date"} and course is not None and not course.follows_shape
 
 
 def _other(fitted: Fit, best: Fit, place: int) -> list[str]:
@@ -291,6 +306,8 @@ def _verdict(choice: Choice, effects: tuple[Effect, ...], after: tuple[NoiseTest
         return "unexplained" if uneven(choice.best.spread) or left else "adequate"
     if choice.unsure or any(choice.instead_of(i) or choice.played_by[i] for i in range(len(effects))):
         return "cannot_tell"
+    if any(SHAPE in effect.indistinguishable_from for effect in effects):
+        return "cannot_tell"
     return "unexplained" if any(effect.tabulated for effect in effects) else "effect_found"
 
 
@@ -330,7 +347,8 @@ def _held_out_names(data: Readings, held: np.ndarray, named: tuple[str, ...] | N
 
 def _notes(choice: Choice, data: Readings) -> list[str]:
     """What a reader must know beside the figures"""
-    notes = []
+    course = data.survey.course
+    notes = [] if course is None else list(course.notes)
     if data.survey.taken_as_replaced:
         notes.append(
             f"the plate at {in_words(data.survey.taken_as_replaced)} was taken to be replaced, since its wear vanished; a column "

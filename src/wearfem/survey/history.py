@@ -3,7 +3,8 @@
     d(depth)/d(progress) = k x exposure x product of factors + sum of additions.
 
 Factors that know the depth, g, and those that do not, s, part: the integral of d(depth)/g(depth) is k times that of exposure x s. So one
-table of the left side serves all plates at once, and no step of time is taken.
+table of the left side serves all plates at once, and no step of time is taken. Where a run of the model tells the course of each plate,
+its depth D after service s, the exposure is D' and each plate is at D(k x integral of factors); see `course.py`.
 """
 
 from collections.abc import Mapping, Sequence
@@ -12,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from wearfem.survey.course import Course
 from wearfem.survey.survey import Survey
 from wearfem.wear.effect import FactorEffect, all_factors
 from wearfem.wear.effects import Corrosion, OreChange, OreChangeByTime, Overlay
@@ -43,6 +45,8 @@ class History:
         (l, m) index of the occasion that ends the interval.
     row_life, row_interval
         (n,) where each reading stands; interval -1 for a reading of the new plate.
+    course
+        Of a run whose shape changes; then `exposure` is the run's at its own pace.
     """
 
     begin: np.ndarray
@@ -54,6 +58,7 @@ class History:
     occasion: np.ndarray
     row_life: np.ndarray
     row_interval: np.ndarray
+    course: Course | None = None
 
     def of_rows(self, at_end: np.ndarray) -> np.ndarray:
         """What (l, m) says at the ends of intervals, for each reading (n,); 0 for a new plate."""
@@ -101,10 +106,22 @@ def history(survey: Survey) -> History:
         name: np.squeeze(value, -1) if value.shape[-1] == 1 else value for name, value in feature.items()
     }
     exposure = np.squeeze(fill(survey.exposure, occasion), -1)
+    course = survey.course
+    if course is not None:
+        exposure = _exposure_of(course, begin - survey.life_start[:, None], end - survey.life_start[:, None])
+        middle = 0.5 * (begin + end) - survey.life_start[:, None]
+        feature = {name: course.state_at(name, middle) for name in course.state} | feature
     return History(
         begin, end, survey.life_start, exposure, feature, _calendar(survey, begin, end), occasion,
-        survey.life, interval,
+        survey.life, interval, course if course is not None and course.follows_shape else None,
     )  # fmt: skip
+
+
+def _exposure_of(course: Course, begin: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """(l, m) mean rate of a course in each interval; of an empty one, the rate there"""
+    short = 1e-6 * float(end.max())
+    end = np.maximum(end, begin + short)
+    return (course.depth_at(end) - course.depth_at(begin)) / (end - begin)
 
 
 @dataclass(frozen=True)
@@ -167,6 +184,9 @@ def depths(history: History, model: Model) -> np.ndarray:
     """Depth (l, m) at the end of each interval, in the unit of coefficient x exposure x progress."""
     slow = [effect for effect in model.effects if "depth" not in effect.needs]
     quick = [effect for effect in model.effects if "depth" in effect.needs]
+    if history.course is not None and not model.additions:
+        pace = model.coefficient * _mean_factor(history, slow) * (history.end - history.begin)
+        return _along(history.course, np.cumsum(pace, axis=1), quick)
     grown = model.coefficient * history.exposure * _mean_factor(history, slow) * (history.end - history.begin)
     if not model.additions:
         total = np.cumsum(grown, axis=1)
@@ -212,15 +232,32 @@ def _product_at(history: History, effects: Sequence[FactorEffect], book: np.ndar
 
 def _against_depth(total: np.ndarray, effects: Sequence[FactorEffect]) -> np.ndarray:
     """The depth at which the integral of 1/g has come to `total`"""
-    most = 2.0 * float(total.max(initial=0.0)) + 1e-300
-    edge = most * np.linspace(0.0, 1.0, CELLS + 1) ** 1.5  # finer near the new surface
-    edge = np.unique(
-        np.append(edge, [e.thickness for e in effects if isinstance(e, Overlay) and e.thickness < most])
-    )
+    edge = _table(2.0 * float(total.max(initial=0.0)) + 1e-300, effects)
     factor = np.maximum(all_factors(effects, {"depth": 0.5 * (edge[1:] + edge[:-1])}), FAINT)
     integral = np.append(0.0, np.cumsum(np.diff(edge) / factor))
     beyond = np.maximum(total - integral[-1], 0.0) * factor[-1]
     return np.interp(total, integral, edge) + beyond
+
+
+def _table(most: float, effects: Sequence[FactorEffect]) -> np.ndarray:
+    """Depths up to `most`, finer near the new surface, and where a factor jumps"""
+    edge = most * np.linspace(0.0, 1.0, CELLS + 1) ** 1.5
+    return np.unique(
+        np.append(edge, [e.thickness for e in effects if isinstance(e, Overlay) and e.thickness < most])
+    )
+
+
+def _along(course: Course, walked: np.ndarray, effects: Sequence[FactorEffect]) -> np.ndarray:
+    """The depth of each plate that has walked so much of its course, (l, m) service of the run; 1/g of the depth slows the walk"""
+    if not effects:
+        return course.depth_at(walked)
+    most = 2.0 * float(course.depth_at(walked).max(initial=0.0)) + 1e-300
+    edge = _table(most, effects)
+    factor = np.maximum(all_factors(effects, {"depth": 0.5 * (edge[1:] + edge[:-1])}), FAINT)
+    step = np.diff(course.progress_at(np.broadcast_to(edge, (len(walked), len(edge)))), axis=1) / factor
+    needed = np.concatenate([np.zeros((len(walked), 1)), np.cumsum(step, axis=1)], axis=1)
+    beyond = np.maximum(walked - needed[:, -1:], 0.0) * factor[-1] * course.rate[:, -1:]
+    return np.stack([np.interp(w, n, edge) for w, n in zip(walked, needed, strict=True)]) + beyond
 
 
 def _together(grown: np.ndarray, added: np.ndarray, effects: Sequence[FactorEffect]) -> np.ndarray:

@@ -89,7 +89,9 @@ def _longer(past: History, more: float) -> History:
 
 def _exposed(past: History, factor: float) -> History:
     """Every point exposed as many times the median of all"""
-    return replace(past, exposure=np.full_like(past.exposure, factor * float(np.median(past.exposure))))
+    return replace(
+        past, exposure=np.full_like(past.exposure, factor * float(np.median(past.exposure))), course=None
+    )
 
 
 def _information(best: Fit, rival: Fit | None, past: History) -> np.ndarray:

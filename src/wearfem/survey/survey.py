@@ -8,6 +8,7 @@ import numpy as np
 
 from wearfem.errors import UserError, in_words
 from wearfem.survey.columns import column, numbers, read_table
+from wearfem.survey.course import Course
 
 PROGRESS = (
     "tonnage",
@@ -61,6 +62,8 @@ class Survey:
         Where the rows come from.
     taken_as_replaced
         Points whose plate was taken to be replaced because the wear vanished, where no specimens are told.
+    course
+        What a run of the model tells of each life; then `exposure` is 1 everywhere and the coefficient is a factor on the run's wear.
     """
 
     point: np.ndarray
@@ -85,6 +88,7 @@ class Survey:
     feature: Mapping[str, np.ndarray]
     source: str
     taken_as_replaced: tuple[str, ...] = ()
+    course: Course | None = None
 
     @property
     def size(self) -> int:

@@ -203,6 +203,7 @@ def calibration_lines(found: Calibration, survey: Survey) -> list[str]:
     ]
     if not survey.exposure_known:
         rows.append(("note", "no exposure was given: every place is taken to be exposed alike"))
+    rows += [("note", note) for note in (survey.course.notes if survey.course else ())]
     return list(_wrapped(rows))
 
 
