@@ -8,7 +8,7 @@ from scipy.optimize import least_squares
 
 from wearfem.errors import UserError, in_words
 from wearfem.survey.candidates import Candidate, log_steps
-from wearfem.survey.choose import EVEN_BOOK, EVEN_SCALE, EVEN_SCATTER, Choice, choose, uneven
+from wearfem.survey.choose import EVEN_BEND, EVEN_BOOK, EVEN_SCALE, EVEN_SCATTER, Choice, choose, uneven
 from wearfem.survey.doubt import Doubt, doubted
 from wearfem.survey.history import depths
 from wearfem.survey.identify import COEFFICIENT_PRIOR, Fit, Readings, fit, model_at, readings
@@ -267,7 +267,7 @@ def _may_be_shape(choice: Choice, suspect: Candidate) -> bool:
 
 def bends(fitted: Fit) -> bool:
     """Whether the rates of places change with depth, each by its own way and by more than careful work lets them"""
-    return fitted.readings.past.bent > 0.0 and fitted.spread.bend > EVEN_SCATTER
+    return fitted.readings.past.bent > 0.0 and fitted.spread.bend > EVEN_BEND
 
 
 def _other(fitted: Fit, best: Fit, place: int) -> list[str]:
