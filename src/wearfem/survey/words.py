@@ -202,7 +202,14 @@ def calibration_lines(found: Calibration, survey: Survey) -> list[str]:
     low, high = found.interval
     rows = [
         ("read", _read(survey)),
-        ("coefficient", f"{found.coefficient:.4g} ({low:.4g} to {high:.4g}, 90 %) {found.unit}"),
+        ("coefficient", f"{found.coefficient:.4g} ({low:.4g} to {high:.4g}, 90 %) {found.unit}{_of(survey)}"),
+        *(
+            (
+                "",
+                f"{k:.4g} ({a:.4g} to {b:.4g}, 90 %) of {name}; correlation with that of {survey.mechanisms[0]} {r:.2f}",
+            )
+            for (name, (k, (a, b))), r in zip(found.others.items(), found.correlation[0, 1:], strict=True)
+        ),
         (
             "error",
             f"{found.rmse:.3g} {survey.measured_unit} RMSE, gauge {found.gauge:.2g} {survey.measured_unit}",
@@ -216,10 +223,19 @@ def calibration_lines(found: Calibration, survey: Survey) -> list[str]:
     return list(_wrapped(rows))
 
 
+def _of(survey: Survey) -> str:
+    return f", of {survey.mechanisms[0]}" if survey.mechanisms else ""
+
+
 def calibration_values(found: Calibration) -> dict[str, Any]:
     """A calibration as JSON has it."""
     return {
         "coefficient": {"value": found.coefficient, "interval": found.interval, "unit": found.unit},
+        "other_coefficients": {
+            name: {"value": k, "interval": interval, "unit": found.unit}
+            for name, (k, interval) in found.others.items()
+        },
+        "correlation": found.correlation,
         "rmse": found.rmse,
         "gauge": found.gauge,
         "doubted": found.doubts,
