@@ -185,20 +185,27 @@ def forecast_options(command: Callable[..., None]) -> Callable[..., None]:
 @forecast_options
 @progress_option
 @exposure_option
+@run_option
 @click.option("--out", type=Path, metavar="FILE", help="Also write what is printed to FILE.")
 @json_option
 def forecast(
-    path: Path, progress: str, exposure: Path | None, out: Path | None, json_file: Path | None, **asked: Any
+    path: Path,
+    progress: str,
+    exposure: Path | None,
+    run_folder: Path | None,
+    out: Path | None,
+    json_file: Path | None,
+    **asked: Any,
 ) -> None:
     """Foretell the life of a run by zone, or of a survey by point, with its interval, beside the straight line.
 
     PATH is the folder of a life that has run for two cycles or more, or a survey (CSV). Of a survey --limit and --next-stop are
-    told, with --progress and --exposure as in diagnose.
+    told, with --progress, --exposure and --run as in diagnose.
     """
     if path.suffix.lower() == ".csv":
         from wearfem.measured import forecast_survey
 
-        forecast_survey(path, asked, progress, exposure, out, json_file)
+        forecast_survey(path, asked, progress, exposure, run_folder, out, json_file)
         return
     from wearfem.foretell import asked_for, forecast_run
 

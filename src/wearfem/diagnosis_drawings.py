@@ -163,7 +163,7 @@ def draw_map(position: np.ndarray, panels: Sequence[tuple[str, np.ndarray]], uni
 def draw_effect(fitted: Fit, number: int, columns: Mapping[str, Column]) -> str | None:
     """The factor of an effect over the quantity that it depends on, with an 80 % band; None where it has no such curve."""
     suspect = fitted.suspects[number]
-    first = 1 + sum(len(s.free) for s in fitted.suspects[:number])
+    first = fitted.readings.coefficients + sum(len(s.free) for s in fitted.suspects[:number])
     own = slice(first, first + len(suspect.free))
     effect: Any = suspect.effect(fitted.coordinate[own])
     needs: tuple[str, ...] = getattr(effect, "needs", ())

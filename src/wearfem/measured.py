@@ -87,6 +87,7 @@ def forecast_survey(
     asked: Mapping[str, Any],
     progress: str,
     exposure: Path | None,
+    run: Path | None,
     out: Path | None,
     json_file: Path | None,
 ) -> None:
@@ -94,7 +95,7 @@ def forecast_survey(
 
     Of what was `asked` on the command line only `limit` and `next_stop` make sense; the rest is refused.
     """
-    read = _read(survey, progress, exposure, None)
+    read = _read(survey, progress, exposure, run)
     more = [
         name
         for name, value in asked.items()

@@ -144,10 +144,13 @@ def _readings_ahead(
     column: np.ndarray,
     random: np.random.Generator,
 ) -> np.ndarray:
-    """Draws (s, r) of readings: the wear, with a zero and a scale error of the campaign and the gauge's own"""
+    """Draws (s, r) of readings: the wear, with the errors of a campaign and the gauge's own"""
     worn = wear_ahead(models, at, DRAWS, random)[:, asked.life, column]
     spread = models[0][0].spread
     zero = random.normal(0.0, spread.zero, (DRAWS, 1))
     scale = random.normal(0.0, spread.scale, (DRAWS, 1))
     gauge = spread.gauge * np.where(np.isfinite(asked.sigma), asked.sigma / data.reference, 1.0)
+    warped = models[0][0].readings.past.warped
+    if warped.shape[1]:
+        zero = zero + spread.warp * random.normal(size=(DRAWS, warped.shape[1])) @ warped[asked.life].T
     return worn * (1.0 + scale) + zero + gauge * random.normal(size=worn.shape)

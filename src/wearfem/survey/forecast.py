@@ -3,12 +3,12 @@
 A draw takes a model (as often as it is probable), its parameters from their posterior, and the nuisances that go with them. The wear of
 plate l at progress t, as a gauge without errors would read it, is
 
-    D(l, t) = d(l, t) (1 + u[l]) + h[l] + sum over intervals of b[interval] (growth of d in it):
+    D(l, t) = d(l, t) (1 + u[l]) + h[l] + sum over intervals of b[interval] (growth of d in it) + ...:
 
-the model, the plate's own rate, its new thickness, and the tonnage book (see `nuisance.py`). Zero and scale errors of campaigns are the
-gauge's and no wear. The future is like the past: intervals are as long as the median one, each with its own error of the book. What is
-the same at all places (ore, weather, days by unit of service) comes again as it was from some occasion on, drawn by chance, since warm
-months follow one another; what belongs to a place stays as it was last.
+the model, the plate's own rate, its new thickness, the tonnage book, and all else in `nuisance.py` but what campaigns read wrong, which
+is no wear. The future is like the past: intervals are as long as the median one, each with its own error of the book. What is the same
+at all places (ore, weather, days by unit of service) comes again as it was from some occasion on, drawn by chance, since warm months
+follow one another; what belongs to a place stays as it was last.
 """
 
 from collections.abc import Mapping, Sequence
@@ -21,13 +21,19 @@ from wearfem.errors import UserError
 from wearfem.survey.choose import ALIKE, Choice
 from wearfem.survey.history import History, depths
 from wearfem.survey.identify import Fit, Readings, model_at
-from wearfem.survey.nuisance import covariance
+from wearfem.survey.nuisance import Disturbance, covariance, disturbance
 from wearfem.survey.survey import Survey
 from wearfem.units import day
 
 SHARE = 0.80  # of the draws that an interval holds
 DRAWS = 1000  # the end of an 80 % interval is known to 0.08 standard deviations
 REACH = 3.0  # times the service so far, beyond which nothing is told
+OF_CAMPAIGNS = (
+    0,
+    5,
+    7,
+)  # nuisances that are errors of readings and no wear: zero, in proportion, smooth over place
+NEW = (1, 4)  # of new thicknesses
 WARM_UP = 200  # steps of a walk that are thrown away
 THINNED = 3  # steps from one draw to the next
 PARTS = 2  # of an interval, between which wear goes in a straight line
@@ -255,11 +261,13 @@ def wear_ahead(
 
 
 def _draws(fitted: Fit, progress: np.ndarray, count: int, random: np.random.Generator) -> np.ndarray:
-    """Draws (s, l, f) of one model."""
+    """Draws (s, l, f) of one model.
+
+    Nuisances act on the wear to come by the columns that they have at the best parameters, in proportion to the wear of the draw.
+    """
     data, spread, found = fitted.readings, fitted.spread, fitted.disturbance
     past = data.past
     lives, served = past.end.shape
-    occasions = len(data.survey.occasion_names)
     known = covariance(found, spread)
     size = found.deviation(spread)
     inverse = cho_solve((known.factor, True), np.eye(len(size)))
@@ -267,33 +275,51 @@ def _draws(fitted: Fit, progress: np.ndarray, count: int, random: np.random.Gene
     root = size[:, None] * solve_triangular(known.factor, np.eye(len(size)), lower=True, trans="T")
     middle = 0.5 * (progress[1:] + progress[:-1]) - progress[0]
     interval: np.ndarray = np.floor(middle / typical_interval(data.survey)).astype(int)
-    intervals = int(interval.max(initial=0)) + 1
-    future, weather = carried_on(past, progress), dated(past)
-    worn = np.empty((count, lives, len(progress)))
+    future, weather = carried_on(data, progress, interval), dated(data)
+    best = depths(future, fitted.model)
+    there = _to_come(data, future, best)
+    there_size = there.deviation(spread)
+    place = {(int(g), int(k)): i for i, (g, k) in enumerate(zip(found.group, found.label, strict=True))}
+    at = np.array([place.get((int(g), int(k)), -1) for g, k in zip(there.group, there.label, strict=True)])
+    told = np.empty((count, len(at)))
+    depth = np.empty((count, lives, len(progress)))
     for s, coordinate in enumerate(posterior(fitted, count, random)):
         model = model_at(data, fitted.suspects, coordinate)
         wanted = {name for effect in model.effects for name in effect.needs} | {"exposure"}
         wanted |= {"days"} if model.additions else set()
-        depth = depths(_drawn(future, served, weather, wanted, interval, random), model)
-        left = data.worn - past.of_rows(depth[:, :served])
-        nuisance = gain @ left + root @ random.standard_normal(len(size))
-        rate = spread.scatter * random.standard_normal((lives,))
-        new = spread.initial * random.standard_normal((lives,))
-        book = spread.book * random.standard_normal((occasions,))
-        bend = spread.bend * random.standard_normal((lives,)) if past.bent > 0.0 else np.zeros(lives)
-        smooth, shift = np.zeros(past.smooth.shape[1]), np.zeros(3)
-        for kind, told in ((2, rate), (1, new), (4, new), (3, book), (6, smooth), (8, shift), (9, bend)):
-            own = (found.group == kind) & (found.label < len(told))
-            told[found.label[own]] = nuisance[own]
-        new += nuisance[(found.group == 4) & (found.label == lives)].sum()  # common to all plates
-        rate = rate + past.smooth @ smooth + past.steepness @ shift
-        later = np.append(0.0, (spread.book * random.standard_normal(intervals))[interval])
-        wrong = np.concatenate([book[past.occasion], np.broadcast_to(later, (lives, len(later)))], axis=1)
-        growth = np.diff(depth, axis=1, prepend=0.0)
-        turned = bend[:, None] * depth / past.bent if past.bent > 0.0 else 0.0
-        total = depth * (1.0 + rate[:, None] + turned) + new[:, None] + np.cumsum(growth * wrong, axis=1)
-        worn[s] = total[:, served:]
-    return worn
+        grown = depths(_drawn(future, served, weather, wanted, interval, random), model)
+        nuisance = gain @ (data.worn - past.of_rows(grown[:, :served])) + root @ random.standard_normal(
+            len(size)
+        )
+        told[s] = np.where(at >= 0, nuisance[at], there_size * random.standard_normal(len(at)))
+        depth[s] = grown[:, served:]
+    apart = np.isin(there.group, NEW)  # do not grow with wear
+    ratio = depth / np.maximum(best[:, served:], 1e-12 * best.max())
+    by_wear = (told[:, ~apart] @ there.column[:, ~apart].T).reshape(depth.shape)
+    by_plate = (told[:, apart] @ there.column[:, apart].T).reshape(depth.shape)
+    return depth + ratio * by_wear + by_plate
+
+
+def _to_come(data: Readings, future: History, depth: np.ndarray) -> Disturbance:
+    """How nuisances enter the wear of each life at each progress to come, rows (l f,); not those that are errors of campaigns"""
+    survey = data.survey
+    lives, served = data.past.end.shape
+    columns = depth.shape[1] - served
+    life = np.repeat(np.arange(lives), columns)
+    interval = np.tile(np.arange(served, depth.shape[1]), lives)
+    nothing = np.full(len(life), np.nan)
+    names = (
+        *survey.occasion_names,
+        *(["to come"] * (int(future.occasion.max()) + 1 - len(survey.occasion_names))),
+    )
+    asked = replace(
+        survey, point=survey.life_point[life], occasion=future.occasion[life, interval], life=life, occasion_names=names,
+        progress=future.end[life, interval], reading=nothing, sigma=nothing, initial=nothing, exposure=nothing, feature={},
+    )  # fmt: skip
+    rows = replace(future, row_life=life, row_interval=interval)
+    found = disturbance(asked, rows, depth, data.reference, data.thickness_free)
+    wear = ~np.isin(found.group, OF_CAMPAIGNS)
+    return replace(found, column=found.column[:, wear], group=found.group[wear], label=found.label[wear])
 
 
 def posterior(fitted: Fit, count: int, random: np.random.Generator) -> np.ndarray:
@@ -327,11 +353,12 @@ def posterior(fitted: Fit, count: int, random: np.random.Generator) -> np.ndarra
     return drawn
 
 
-def carried_on(past: History, progress: np.ndarray) -> History:
-    """The history with intervals that end at `progress` (f,) after it, in the state that each place had last.
+def carried_on(data: Readings, progress: np.ndarray, interval: np.ndarray) -> History:
+    """The history with intervals that end at `progress` (f,) after it, in the state that each place had last, or along a run's course.
 
-    The first interval goes from a plate's own last reading to the last of the survey.
+    The first goes from a plate's own last reading to the last of the survey; the others belong to `interval` (f - 1,) to come.
     """
+    past, survey = data.past, data.survey
     lives, served = past.end.shape
     used = past.end > past.begin
     last = np.where(used.any(axis=1), served - 1 - np.argmax(used[:, ::-1], axis=1), 0)
@@ -343,21 +370,33 @@ def carried_on(past: History, progress: np.ndarray) -> History:
 
     end = np.concatenate([past.end, np.tile(progress, (lives, 1))], axis=1)
     begin = np.concatenate([past.begin, past.end[:, -1:], end[:, served:-1]], axis=1)
+    exposure, feature = more(past.exposure), {name: more(value) for name, value in past.feature.items()}
+    if (course := survey.course) is not None:
+        first = (begin - past.start[:, None])[:, served:]
+        then = np.maximum((end - past.start[:, None])[:, served:], first + 1e-6 * end.max())
+        exposure[:, served:] = (course.depth_at(then) - course.depth_at(first)) / (then - first)
+        for name in course.state:
+            feature[name][:, served:] = course.state_at(name, 0.5 * (first + then))
     calendar = None
     if past.calendar is not None:
         calendar = more(past.calendar / np.where(used, past.end - past.begin, 1.0)) * (end - begin)
         calendar[:, :served] = past.calendar
+    label = np.append(past.occasion[used].max(initial=0), len(survey.occasion_names) + interval)
     return replace(
-        past, begin=begin, end=end, exposure=more(past.exposure), calendar=calendar, occasion=more(past.occasion),
-        feature={name: more(value) for name, value in past.feature.items()},
+        past, begin=begin, end=end, exposure=exposure, calendar=calendar, feature=feature,
+        occasion=np.concatenate([past.occasion, np.tile(label, (lives, 1))], axis=1),
+        others=np.array([more(other) for other in past.others]).reshape(len(past.others), *end.shape),
     )  # fmt: skip
 
 
-def dated(past: History) -> dict[str, np.ndarray]:
+def dated(data: Readings) -> dict[str, np.ndarray]:
     """What is the same at all places, occasion by occasion (o,): features by name, `exposure`, and `days` for [s] by unit of service."""
+    past = data.past
     used = past.end > past.begin
     occasions = [used & (past.occasion == j) for j in np.unique(past.occasion[used])]
-    told = {**past.feature, "exposure": past.exposure}
+    told = {**past.feature}
+    if data.survey.course is None:
+        told["exposure"] = past.exposure
     if past.calendar is not None:
         told["days"] = past.calendar / np.where(used, past.end - past.begin, 1.0)
     found = {}
