@@ -5,14 +5,15 @@ are few (many would be the model's fault). What is left is fitted by weighted le
 scatter between places are integrated out, so that 100 readings of one plate do not count as 100 plates.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from wearfem.errors import UserError
-from wearfem.survey.diagnose import coefficient_interval
+from wearfem.survey.diagnose import coefficient_intervals
 from wearfem.survey.doubt import Doubt, doubted
-from wearfem.survey.identify import Fit, fit, readings
+from wearfem.survey.identify import Fit, plain_fit, readings
 from wearfem.survey.nuisance import nuisances
 from wearfem.survey.residual import NoiseTest, noise_tests
 from wearfem.survey.survey import Survey
@@ -28,7 +29,11 @@ class Calibration:
     Parameters
     ----------
     coefficient, interval
-        Wear [SI: m, kg or m3] by unit of exposure and of progress; 90 %.
+        Wear [SI: m, kg or m3] by unit of exposure and of progress; 90 %. Of the first mechanism where there are several.
+    others
+        The same by name of each other mechanism.
+    correlation
+        (e, e) [-] of the logarithms of all coefficients, the first first.
     unit
         Of the coefficient, in words.
     gauge
@@ -51,6 +56,8 @@ class Calibration:
     doubts: tuple[Doubt, ...]
     tests: tuple[NoiseTest, ...]
     fitted: Fit
+    others: Mapping[str, tuple[float, tuple[float, float]]]
+    correlation: np.ndarray
 
 
 def calibrate(survey: Survey) -> Calibration:
@@ -69,13 +76,13 @@ def calibrate(survey: Survey) -> Calibration:
             f"{survey.source} has {survey.size} readings, none after service began; expected two or more"
         )
     data = readings(survey.only(keep))
-    found = fit(data)
+    found = plain_fit(data)
     more = _far_off(found, np.flatnonzero(keep))
     if 0 < len(more) <= FEW * survey.size:
         keep[[d.row for d in more]] = False
         data = readings(survey.only(keep))
-        found, doubts = fit(data), (*doubts, *more)
-    value, interval = coefficient_interval(found)
+        found, doubts = plain_fit(data), (*doubts, *more)
+    (value, interval), *others = (told := coefficient_intervals(found))[0]
     left = data.worn - data.past.of_rows(found.depth)
     si = {"um": "m", "mm": "m", "cm": "m", "g": "kg", "mg": "kg", "mm3": "m3", "cm3": "m3"}
     unit = f"{si.get(survey.measured_unit, survey.measured_unit)} per unit of exposure and {survey.progress_unit or survey.progress_name}"
@@ -84,7 +91,7 @@ def calibrate(survey: Survey) -> Calibration:
     factor = survey.measured_factor
     return Calibration(
         value, interval, unit, found.spread.gauge / factor, float(np.sqrt(np.mean(left**2))) / factor, doubts,
-        noise_tests(found), found,
+        noise_tests(found), found, dict(zip(survey.mechanisms[1:], others, strict=True)), told[1],
     )  # fmt: skip
 
 

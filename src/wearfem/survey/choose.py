@@ -11,16 +11,18 @@ import numpy as np
 
 from wearfem.survey.candidates import Candidate, candidates, curves
 from wearfem.survey.history import depths
-from wearfem.survey.identify import Fit, Readings, fit, model_at
+from wearfem.survey.identify import Fit, Readings, fit, model_at, plain_fit
 from wearfem.survey.nuisance import Spread, covariance
 from wearfem.survey.residual import noise_tests
 
 SURE = float(np.log(19.0))  # nats: odds of 0.95
+SUSPECTED = float(np.log(3.0))  # nats: odds of 0.75, from which an effect is told with the doubt
 ALIKE = 3.0  # nats: odds of 20 to 1, below which two models are not told apart
 MOST_EFFECTS = 3
 FINER = (9, 13)  # knots of a free curve that has been chosen
 QUIET = 0.5  # p of all tests of noise together, above which no further effect is looked for
 EVEN_SCATTER = 0.10  # [-] places that differ by more are not explained by chance
+EVEN_BEND = 0.03  # [-] rates that change with depth by more, each place in its own way, are no chance either
 EVEN_BOOK = 0.05  # [-] intervals that differ by more are no error of the tonnage book
 EVEN_SCALE = 0.03  # [-] nor campaigns one of the gauge
 MIMIC_KNOTS = 8
@@ -44,7 +46,8 @@ class Choice:
     played_by
         For each effect of `best`, quantities whose free function would give these readings too.
     unsure
-        Whether large nuisances explain the readings nearly as well as the effect: more probable than not, and not sure.
+        Whether nuisances explain the readings nearly as well as the effect: more probable than not (3 to 1 where the nuisances are
+        those of careful work), and not sure.
     """
 
     plain: Fit
@@ -82,7 +85,8 @@ def choose(data: Readings) -> Choice:
     """Effects one by one, each the most probable of all; after each, those before are tried against the others again."""
     suspects = [*candidates(data.past, data.deepest), *curves(data.past, data.depth_knots)]
     odds = -float(np.log(len(suspects)))
-    plain = fit(data)
+    plain = plain_fit(data)
+    data = plain.readings
     tried: dict[frozenset[str], Fit] = {frozenset(): plain}
 
     def tested(base: Fit, more: Sequence[Candidate]) -> Fit:
@@ -117,10 +121,11 @@ def choose(data: Readings) -> Choice:
                 break
     fewer = [f for f in tried.values() if len(f.suspects) < len(best.suspects)]
     best = max([best, *(f for f in fewer if f.log_evidence - odds > best.log_evidence)], key=_evidence)
-    unsure = not best.suspects and uneven(plain.spread)
-    if unsure:
+    unsure = False
+    if not best.suspects:
         single = max((f for f in tried.values() if len(f.suspects) == 1), key=_evidence)
-        unsure = single.log_evidence - plain.log_evidence + odds > 0.0
+        needed = 0.0 if uneven(plain.spread) else SUSPECTED
+        unsure = single.log_evidence - plain.log_evidence + odds > needed
         best = single if unsure else best
     played = tuple(players(best, i) for i in range(len(best.suspects)))
     return Choice(plain, best, tuple(tried.values()), odds, played, unsure)
@@ -128,7 +133,13 @@ def choose(data: Readings) -> Choice:
 
 def uneven(spread: Spread) -> bool:
     """Whether places, campaigns or intervals differ by more than careful work lets them"""
-    return spread.scatter > EVEN_SCATTER or spread.book > EVEN_BOOK or spread.scale > EVEN_SCALE
+    places = max(spread.scatter, spread.smooth)
+    return (
+        places > EVEN_SCATTER
+        or spread.bend > EVEN_BEND
+        or spread.book > EVEN_BOOK
+        or spread.scale > EVEN_SCALE
+    )
 
 
 def _evidence(fitted: Fit) -> float:
@@ -178,7 +189,7 @@ def players(best: Fit, place: int) -> tuple[str, ...]:
 
 def _steady(best: Fit) -> Spread:
     """The gauge and the zero error only: what nuisances could swallow is not what physics explains"""
-    return replace(best.spread, scatter=1e-4, book=1e-4, scale=1e-4)
+    return replace(best.spread, scatter=1e-4, book=1e-4, scale=1e-4, smooth=1e-4, shift=1e-5, bend=1e-4)
 
 
 def _dated(best: Fit) -> set[str]:
@@ -201,7 +212,7 @@ def _by_interval(best: Fit, exact: np.ndarray, root: np.ndarray) -> float:
     r = best.readings
     model = model_at(r, best.suspects, best.coordinate)
     kept = [e for e in model.effects if "depth" not in e.needs]
-    grown = np.diff(depths(r.past, type(model)(model.coefficient, tuple(kept))), axis=1, prepend=0.0)
+    grown = np.diff(depths(r.past, replace(model, effects=tuple(kept), additions=())), axis=1, prepend=0.0)
     passed = np.arange(grown.shape[1])[None, :] <= r.past.row_interval[:, None]
     growth = grown[r.past.row_life] * passed
     column = np.zeros((len(exact), int(r.past.occasion.max()) + 1))

@@ -8,10 +8,10 @@ from scipy.optimize import least_squares
 
 from wearfem.errors import UserError, in_words
 from wearfem.survey.candidates import Candidate, log_steps
-from wearfem.survey.choose import EVEN_BOOK, EVEN_SCALE, EVEN_SCATTER, Choice, choose, uneven
+from wearfem.survey.choose import EVEN_BEND, EVEN_BOOK, EVEN_SCALE, EVEN_SCATTER, Choice, choose, uneven
 from wearfem.survey.doubt import Doubt, doubted
-from wearfem.survey.history import Model, depths
-from wearfem.survey.identify import COEFFICIENT_PRIOR, Fit, Readings, fit, readings
+from wearfem.survey.history import depths
+from wearfem.survey.identify import COEFFICIENT_PRIOR, Fit, Readings, fit, model_at, readings
 from wearfem.survey.next_reading import Suggestion, suggestion
 from wearfem.survey.nuisance import nuisances
 from wearfem.survey.residual import NoiseTest, noise_tests
@@ -22,6 +22,8 @@ NOISE_LEVEL = 0.01  # false alarms of all tests together, below which what is le
 LEAST_READINGS = 8
 PLACE = ("centre_x", "centre_y", "centre_z", "radius")  # of a patch, in metres
 SHAPE = "change of shape with wear"
+WRITTEN_DOWN = {"ore_hardness", "temperature"}  # the same everywhere, occasion by occasion
+TOLD_BY_LOG = WRITTEN_DOWN | {"calendar time", "date"}  # the same for all places
 WIDTH_90 = 1.645  # standard deviations, 90 % of a normal distribution
 
 
@@ -112,14 +114,14 @@ def diagnose(survey: Survey, *, name_without: bool = True) -> Diagnosis:
     keep[[d.row for d in doubts]] = False
     data = readings(survey.only(keep))
     choice = choose(data)
+    data = choice.plain.readings
     held = held_out(data)
-    plain, improved = fit(data.only(~held)), None
+    plain = improved = fit(data.only(~held))
     if choice.best.suspects:
         improved = fit(data.only(~held), choice.best.suspects)
-        if held.any() and _rmse(improved, data, held) > 1.02 * _rmse(plain, data, held):
+        if held.any() and predicted_better(choice, plain, improved) < 0.0:
             choice = Choice(choice.plain, choice.plain, choice.tried, choice.odds, ())  # it does not predict
-            improved = None
-    improved = improved or plain
+            improved = plain
     named = None
     if name_without and choice.best.suspects and held.any():
         named = tuple(s.name for s in choose(data.only(~held)).best.suspects)
@@ -133,6 +135,17 @@ def diagnose(survey: Survey, *, name_without: bool = True) -> Diagnosis:
         choice.best.spread.gauge / factor, _verdict(choice, effects, after), effects,
         _nuisance(choice.best, factor), _held_out_names(data, held, named), notes,
     )  # fmt: skip
+
+
+def predicted_better(choice: Choice, plain: Fit, improved: Fit) -> float:
+    """[nats] by which the readings held out are more probable with the effect than without, given the others.
+
+    The density of what is held out, given the rest, is that of all readings over that of the rest; so whatever is uncertain in either
+    model (which points a patch covers) is paid for, and a prediction that claims no more than it knows is not punished.
+    """
+    return (choice.best.log_evidence - improved.log_evidence) - (
+        choice.plain.log_evidence - plain.log_evidence
+    )
 
 
 def held_out(data: Readings) -> np.ndarray:
@@ -154,11 +167,6 @@ def held_out(data: Readings) -> np.ndarray:
         order = points[np.argsort(exposed, kind="stable")]
         held |= np.isin(survey.point, order[2::5])
     return held & ~survey.is_new
-
-
-def _rmse(fitted: Fit, data: Readings, rows: np.ndarray) -> float:
-    asked = data.only(rows)
-    return float(np.sqrt(np.mean((asked.worn - fitted.predict(asked)) ** 2)))
 
 
 def _score(fitted: Fit, data: Readings, held: np.ndarray, factor: float) -> Score:
@@ -185,17 +193,18 @@ def _as_score(
 
 
 def _baseline(data: Readings, held: np.ndarray, factor: float) -> Score:
-    """The model as it is: one coefficient by least squares, no nuisances"""
+    """The model as it is: its coefficients by least squares, no nuisances"""
     train = data.only(~held)
 
-    def left_of(log: np.ndarray) -> np.ndarray:
-        wear = depths(data.past, Model(data.coefficient * float(np.exp(log[0]))))
-        return (train.worn - train.past.of_rows(wear)) / data.reference
+    def left_of(coordinate: np.ndarray) -> np.ndarray:
+        return (
+            train.worn - train.past.of_rows(depths(data.past, model_at(data, (), coordinate)))
+        ) / data.reference
 
-    best = least_squares(left_of, np.zeros(1), method="lm").x
-    wear = data.past.of_rows(depths(data.past, Model(data.coefficient * float(np.exp(best[0])))))
+    best = least_squares(left_of, np.zeros(data.coefficients), method="lm").x
+    wear = data.past.of_rows(depths(data.past, model_at(data, (), best)))
     left = data.worn - wear
-    return _as_score(left[~held], left[held], data, int((~held).sum()) - 1, factor)
+    return _as_score(left[~held], left[held], data, int((~held).sum()) - len(best), factor)
 
 
 def _straight_line(data: Readings, held: np.ndarray, factor: float) -> Score:
@@ -225,7 +234,7 @@ def _effects(choice: Choice) -> tuple[Effect, ...]:
         best, [f for i in range(len(best.suspects)) for f in choice.instead_of(i)], choice.played_by
     )
     built = [*model.effects, *model.additions]
-    found, at = [], 1
+    found, at = [], best.readings.coefficients
     for i, suspect in enumerate(best.suspects):
         effect = suspect.effect(best.coordinate[at : at + len(suspect.free)])
         alike = [a for f in choice.instead_of(i) for a in _other(f, best, i)]
@@ -240,7 +249,7 @@ def _effects(choice: Choice) -> tuple[Effect, ...]:
             alike.append(SHAPE)
         found.append(
             Effect(
-                suspect.name, _parameters(best, i, at), choice.probability(suspect.name), tuple(dict.fromkeys(alike)),
+                suspect.name, parameters_of(best, i, at), choice.probability(suspect.name), tuple(dict.fromkeys(alike)),
                 _in_words(suggested, best), suspect.quantity, suspect.name.startswith("FactorCurve"),
             )
         )  # fmt: skip
@@ -250,9 +259,16 @@ def _effects(choice: Choice) -> tuple[Effect, ...]:
 
 
 def _may_be_shape(choice: Choice, suspect: Candidate) -> bool:
-    """Whether an effect may be the shape that wears, which the run did not follow"""
+    """Whether an effect may be the shape that wears: the run did not follow it, or the rate of each place goes its own way with depth"""
     course = choice.best.readings.survey.course
-    return suspect.quantity in {"depth", "date"} and course is not None and not course.follows_shape
+    if course is not None and not course.follows_shape and suspect.quantity not in WRITTEN_DOWN:
+        return True
+    return bends(choice.best) and suspect.quantity not in TOLD_BY_LOG
+
+
+def bends(fitted: Fit) -> bool:
+    """Whether the rates of places change with depth, each by its own way and by more than careful work lets them"""
+    return fitted.readings.past.bent > 0.0 and fitted.spread.bend > EVEN_BEND
 
 
 def _other(fitted: Fit, best: Fit, place: int) -> list[str]:
@@ -260,7 +276,7 @@ def _other(fitted: Fit, best: Fit, place: int) -> list[str]:
     return [s.name for s in fitted.suspects if s.name not in have]
 
 
-def _parameters(best: Fit, place: int, at: int) -> dict[str, Parameter]:
+def parameters_of(best: Fit, place: int, at: int) -> dict[str, Parameter]:
     """Free parameters by name, with 90 % intervals; and what was kept fixed, without"""
     suspect = best.suspects[place]
     coordinate = best.coordinate[at : at + len(suspect.free)]
@@ -325,10 +341,22 @@ def _nuisance(best: Fit, factor: float) -> dict[str, object]:
             names[int(label)]: {"value": float(v / unit), "interval": sorted(float((v + side * WIDTH_90 * s) / unit) for side in (-1, 1))}
             for label, v, s in zip(found.label[rows], value[rows], deviation[rows], strict=True)
         }  # fmt: skip
+    told["shift"] = {
+        "xyz"[int(axis)]: {
+            "value": float(v),
+            "interval": sorted(float(v + side * WIDTH_90 * s) for side in (-1, 1)),
+        }
+        for axis, v, s in zip(
+            found.label[found.group == 8], value[found.group == 8], deviation[found.group == 8], strict=True
+        )
+    }
     told["zero_error_deviation"] = best.spread.zero / factor
     told["tonnage_book_deviation"] = best.spread.book
     told["scale_error_deviation"] = best.spread.scale
     told["place_to_place_scatter"] = best.spread.scatter
+    told["smooth_error_of_the_rate"] = best.spread.smooth
+    told["smooth_error_of_a_campaign"] = best.spread.warp / factor if r.past.warped.shape[1] else 0.0
+    told["bend_deviation"] = best.spread.bend if r.past.bent else 0.0
     told["initial_reading_deviation"] = best.spread.initial / factor
     return told
 
@@ -361,6 +389,24 @@ def _notes(choice: Choice, data: Readings) -> list[str]:
         notes.append("the survey has no days: corrosion is looked for as if service were steady in time")
     if spread.scatter > EVEN_SCATTER:
         notes.append(f"places differ by {100 * spread.scatter:.0f} % in their rate, and no column says why")
+    if bends(choice.best):
+        notes.append(
+            f"rates change with depth by {100 * spread.bend:.0f} % of themselves (standard deviation between places, at the deepest wear), "
+            "each place in its own way: that is what a change of shape does; give --run with a run whose surface moves"
+        )
+    elif data.survey.course is None and any(s.quantity == "depth" for s in choice.best.suspects):
+        notes.append(
+            "the exposure does not follow the shape as it wears: what changes with depth alike everywhere is taken for the material; a "
+            "coupled run, given as --run, tells whether the shape does that"
+        )
+    if spread.smooth > EVEN_SCATTER:
+        notes.append(
+            f"the rate is off by {100 * spread.smooth:.0f} %, smoothly from place to place, and no column says why"
+        )
+    if data.past.warped.shape[1] and spread.warp > 0.5 * spread.gauge:
+        notes.append(
+            "readings that lie side by side err alike in a campaign (a scan that is bent, a warm plate); that is taken into account"
+        )
     if spread.book > EVEN_BOOK:
         notes.append(
             f"intervals differ by {100 * spread.book:.0f} % in their rate, at all places alike: the ore or the tonnage book"
@@ -385,6 +431,19 @@ def _in_words(suggested: Suggestion | None, best: Fit) -> str:
 
 def coefficient_interval(fitted: Fit) -> tuple[float, tuple[float, float]]:
     """The coefficient of a fit with its 90 % interval [SI wear by unit of exposure and progress]."""
-    k = fitted.model.coefficient
-    width = WIDTH_90 * COEFFICIENT_PRIOR * float(np.sqrt(fitted.deviation[0, 0]))
-    return k, (k * float(np.exp(-width)), k * float(np.exp(width)))
+    return coefficient_intervals(fitted)[0][0]
+
+
+def coefficient_intervals(fitted: Fit) -> tuple[list[tuple[float, tuple[float, float]]], np.ndarray]:
+    """Each mechanism's coefficient with its 90 % interval, and the correlation (e, e) of their logarithms."""
+    model, e = fitted.model, fitted.readings.coefficients
+    sums = np.eye(e)
+    sums[1:, 0] = 1.0  # ln k_i = ln k_1 + ln ratio_i
+    covariance = sums @ fitted.deviation[:e, :e] @ sums.T
+    width = np.sqrt(np.diag(covariance))
+    told = []
+    for k, w in zip(
+        model.coefficient * np.array([1.0, *model.ratio]), WIDTH_90 * COEFFICIENT_PRIOR * width, strict=True
+    ):
+        told.append((float(k), (float(k * np.exp(-w)), float(k * np.exp(w)))))
+    return told, covariance / np.outer(width, width)

@@ -8,7 +8,7 @@ its depth D after service s, the exposure is D' and each plate is at D(k x integ
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -21,6 +21,8 @@ from wearfem.wear.effects import Corrosion, OreChange, OreChangeByTime, Overlay
 CELLS = 240  # of the table over depth: error of the depth below 1e-4 for factors that change twofold over it
 GAUSS_AT = 0.5 + 0.5 * np.array([-np.sqrt(0.6), 0.0, np.sqrt(0.6)])
 GAUSS_WEIGHT = np.array([5.0, 8.0, 5.0]) / 18.0
+FEWEST_PLACES = 8  # over which a smooth function can be told from scatter
+SMOOTH_LENGTH = 0.33  # [-] of the span of places
 STEPS = 4  # of the classical Runge-Kutta rule in an interval, where wear and additions go together
 FAINT = 1e-6  # [-] least factor over depth: where nothing wears, the integral of 1/g has no end
 
@@ -36,7 +38,7 @@ class History:
     start
         (l,) progress at which the plate was put in.
     exposure
-        (l, m) by unit of coefficient and progress.
+        (l, m) by unit of coefficient and progress; of the first mechanism where there are several.
     feature
         (l, m) or (l, m, 3) by name.
     calendar
@@ -47,6 +49,16 @@ class History:
         (n,) where each reading stands; interval -1 for a reading of the new plate.
     course
         Of a run whose shape changes; then `exposure` is the run's at its own pace.
+    others
+        (e - 1, l, m) exposures of the other mechanisms.
+    smooth
+        (l, k) smooth functions of place, with a mean of 0 and a mean square of 1 together; none where places are few or not told.
+    warped
+        (l, k) those by which the readings of a campaign may err together; none where they are taken to err each by itself.
+    steepness
+        (l, 3) [1/m] gradient of the logarithm of the wear along the face.
+    bent
+        Depth at which the rates of places are compared that change with depth, each by its own shape; 0 where they are taken not to.
     """
 
     begin: np.ndarray
@@ -59,6 +71,11 @@ class History:
     row_life: np.ndarray
     row_interval: np.ndarray
     course: Course | None = None
+    others: np.ndarray = field(default_factory=lambda: np.zeros((0, 1, 1)))
+    smooth: np.ndarray = field(default_factory=lambda: np.zeros((1, 0)))
+    warped: np.ndarray = field(default_factory=lambda: np.zeros((1, 0)))
+    steepness: np.ndarray = field(default_factory=lambda: np.zeros((1, 3)))
+    bent: float = 0.0
 
     def of_rows(self, at_end: np.ndarray) -> np.ndarray:
         """What (l, m) says at the ends of intervals, for each reading (n,); 0 for a new plate."""
@@ -67,11 +84,15 @@ class History:
 
 @dataclass(frozen=True)
 class Model:
-    """A coefficient and effects; the wear of a plate is k x exposure x factors, and what is added."""
+    """A coefficient and effects; the wear of a plate is k x exposure x factors, and what is added.
+
+    Where several mechanisms wear, the exposure is that of the first plus `ratio` times each other; k x ratio are their coefficients.
+    """
 
     coefficient: float
     effects: tuple[FactorEffect, ...] = ()
     additions: tuple[Corrosion, ...] = ()
+    ratio: tuple[float, ...] = ()
 
 
 def history(survey: Survey) -> History:
@@ -105,7 +126,7 @@ def history(survey: Survey) -> History:
     feature = {
         name: np.squeeze(value, -1) if value.shape[-1] == 1 else value for name, value in feature.items()
     }
-    exposure = np.squeeze(fill(survey.exposure, occasion), -1)
+    exposure, *others = np.moveaxis(fill(survey.exposure, occasion), -1, 0)
     course = survey.course
     if course is not None:
         exposure = _exposure_of(course, begin - survey.life_start[:, None], end - survey.life_start[:, None])
@@ -114,7 +135,45 @@ def history(survey: Survey) -> History:
     return History(
         begin, end, survey.life_start, exposure, feature, _calendar(survey, begin, end), occasion,
         survey.life, interval, course if course is not None and course.follows_shape else None,
+        np.array(others).reshape(len(others), *begin.shape), **_over_place(feature.get("position"), exposure, course),
     )  # fmt: skip
+
+
+def _over_place(position: np.ndarray | None, exposure: np.ndarray, course: Course | None) -> dict[str, Any]:
+    """`smooth` and `steepness` of a history, where places are told and many"""
+    if position is None or len(np.unique(position[:, 0], axis=0)) < FEWEST_PLACES:
+        return {}
+    place = position[:, 0]
+    if course is not None:
+        return {"smooth": smooth_functions(place), "steepness": course.steepness}
+    return {"smooth": smooth_functions(place), "steepness": steepness(place, exposure.mean(axis=1))}
+
+
+def smooth_functions(place: np.ndarray) -> np.ndarray:
+    """(l, k) principal functions of a Gaussian field over places (l, 3) whose length is a third of their span.
+
+    **Source** Karhunen-Loeve expansion; those that carry 2 % of the variance or more, at most 8.
+    """
+    apart = np.linalg.norm(place[:, None] - place, axis=2)
+    gram = np.exp(-0.5 * (apart / (SMOOTH_LENGTH * apart.max())) ** 2)
+    gram = gram - gram.mean(axis=0)
+    gram = gram - gram.mean(axis=1, keepdims=True)
+    size, function = np.linalg.eigh(gram)
+    kept = np.flatnonzero(size > 0.02 * size.sum())[-8:]
+    return function[:, kept] * np.sqrt(size[kept] * len(place) / size[kept].sum())
+
+
+def steepness(place: np.ndarray, wear: np.ndarray) -> np.ndarray:
+    """(l, 3) [1/m] gradient of the logarithm of what wears at places (l, 3), by a plane through each place's nearest; 0 without wear"""
+    found = np.zeros(place.shape)
+    if np.ptp(wear) < 1e-6 * wear.max() or not (wear > 0.0).all():
+        return found
+    for i, middle in enumerate(place):
+        near = np.argsort(np.linalg.norm(place - middle, axis=1), kind="stable")[: FEWEST_PLACES + 1]
+        apart = place[near] - place[near].mean(axis=0)
+        level = np.log(wear[near])
+        found[i] = np.linalg.pinv(apart, rcond=0.1) @ (level - level.mean())
+    return found
 
 
 def _exposure_of(course: Course, begin: np.ndarray, end: np.ndarray) -> np.ndarray:
@@ -187,7 +246,10 @@ def depths(history: History, model: Model) -> np.ndarray:
     if history.course is not None and not model.additions:
         pace = model.coefficient * _mean_factor(history, slow) * (history.end - history.begin)
         return _along(history.course, np.cumsum(pace, axis=1), quick)
-    grown = model.coefficient * history.exposure * _mean_factor(history, slow) * (history.end - history.begin)
+    exposure = history.exposure
+    if model.ratio:
+        exposure = exposure + np.tensordot(np.array(model.ratio), history.others, 1)
+    grown = model.coefficient * exposure * _mean_factor(history, slow) * (history.end - history.begin)
     if not model.additions:
         total = np.cumsum(grown, axis=1)
         return _against_depth(total, quick) if quick else total

@@ -11,11 +11,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import least_squares
+from scipy.optimize import least_squares, nnls
 
 from wearfem.errors import UserError
 from wearfem.survey.candidates import Candidate
-from wearfem.survey.history import History, Model, depths, history
+from wearfem.survey.history import FEWEST_PLACES, History, Model, depths, history
 from wearfem.survey.nuisance import (
     Disturbance,
     Spread,
@@ -56,6 +56,8 @@ class Readings:
         Whether the new thickness is known from readings only.
     coefficient
         First guess of the coefficient.
+    ratio
+        (e - 1,) first guess of the coefficients of other mechanisms over it.
     """
 
     survey: Survey
@@ -66,6 +68,12 @@ class Readings:
     reference_known: bool
     thickness_free: bool
     coefficient: float
+    ratio: tuple[float, ...] = ()
+
+    @property
+    def coefficients(self) -> int:
+        """How many there are: one for each mechanism; the first coordinates of any fit"""
+        return 1 + len(self.ratio)
 
     @property
     def deepest(self) -> float:
@@ -98,8 +106,21 @@ def readings(survey: Survey) -> Readings:
     used = steady > 0.0
     guess = float(np.median(worn[used]) / np.median(steady[used])) if used.any() else 1.0
     coefficient = guess if guess > 0.0 else float(np.abs(worn).max() / steady.max())
+    ratio: tuple[float, ...] = ()
+    if len(past.others):
+        coefficient, *rest = _several(past, worn)
+        ratio = tuple(r / coefficient for r in rest)
     rough, enough = _roughness(survey, worn)
-    return Readings(survey, past, worn, gauge, gauge or rough, gauge is not None or enough, free, coefficient)
+    known = gauge is not None or enough
+    return Readings(survey, past, worn, gauge, gauge or rough, known, free, coefficient, ratio)
+
+
+def _several(past: History, worn: np.ndarray) -> np.ndarray:
+    """(e,) coefficients of mechanisms side by side: least squares, none below a hundredth of what it would be alone"""
+    alone = [past.exposure, *past.others]
+    steady = np.stack([past.of_rows(np.cumsum(e * (past.end - past.begin), axis=1)) for e in alone], axis=1)
+    each = (steady.T @ np.abs(worn)) / np.maximum((steady**2).sum(axis=0), 1e-300)
+    return np.maximum(nnls(steady, worn)[0], 1e-2 * each)
 
 
 def _worn(survey: Survey) -> tuple[np.ndarray, bool]:
@@ -143,9 +164,10 @@ class Fit:
     suspects
         The candidates in it; none for the coefficient alone.
     coordinate
-        (1 + d,) logarithm of the coefficient over its first guess, in prior widths, then those of the candidates.
+        (e + d,) logarithm of the coefficient over its first guess, in prior widths, and of the ratios of other mechanisms; then those
+        of the candidates.
     deviation
-        (1 + d, 1 + d) posterior covariance of the coordinates.
+        (e + d, e + d) posterior covariance of the coordinates.
     spread
         Standard deviations of the nuisances.
     log_evidence
@@ -154,6 +176,8 @@ class Fit:
         What it was fitted to.
     depth
         (l, m) wear at the ends of intervals.
+    expected
+        (l, m) the same, as a mean over what was looked for on a list (which patch is covered), by its probability.
     """
 
     suspects: tuple[Candidate, ...]
@@ -163,6 +187,7 @@ class Fit:
     log_evidence: float
     readings: Readings
     depth: np.ndarray
+    expected: np.ndarray
 
     @property
     def name(self) -> str:
@@ -182,31 +207,39 @@ class Fit:
 
     def predict(self, asked: Readings) -> np.ndarray:
         """Wear (n,) that other readings of the survey should show: the model, and nuisances as far as the fitted ones tell them."""
-        residual = self.readings.worn - self.readings.past.of_rows(self.depth)
-        known = self.disturbance
+        fitted = self.readings
+        residual = fitted.worn - fitted.past.of_rows(self.expected)
+        known = disturbance(
+            fitted.survey, fitted.past, self.expected, fitted.reference, fitted.thickness_free
+        )
         value, _ = nuisances(known, self.spread, residual)
-        there = disturbance(asked.survey, asked.past, self.depth, asked.reference, asked.thickness_free)
+        there = disturbance(asked.survey, asked.past, self.expected, asked.reference, asked.thickness_free)
         told = {(int(g), int(k)): v for g, k, v in zip(known.group, known.label, value, strict=True)}
         new = np.array(
             [told.get((int(g), int(k)), 0.0) for g, k in zip(there.group, there.label, strict=True)]
         )
-        return asked.past.of_rows(self.depth) + there.column @ new
+        return asked.past.of_rows(self.expected) + there.column @ new
 
 
 def model_at(data: Readings, suspects: Sequence[Candidate], coordinate: np.ndarray) -> Model:
     """The model at a coordinate."""
+    first = data.coefficients
     k = data.coefficient * float(np.exp(COEFFICIENT_PRIOR * coordinate[0]))
-    built, first = [], 1
+    ratio = tuple(
+        r * float(np.exp(COEFFICIENT_PRIOR * u)) for r, u in zip(data.ratio, coordinate[1:first], strict=True)
+    )
+    built = []
     for suspect in suspects:
         built.append(suspect.effect(coordinate[first : first + len(suspect.free)]))
         first += len(suspect.free)
     factors = tuple(effect for effect in built if not isinstance(effect, Corrosion))
-    return Model(k, factors, tuple(effect for effect in built if isinstance(effect, Corrosion)))
+    return Model(k, factors, tuple(effect for effect in built if isinstance(effect, Corrosion)), ratio)
 
 
 def small_spread(data: Readings) -> Spread:
     """Nuisances as a careful campaign has them; where a search begins."""
-    return Spread(data.reference, 0.5 * data.reference, 0.5 * data.reference, 0.02, 0.01, 0.01)
+    half = 0.5 * data.reference
+    return Spread(data.reference, half, half, 0.02, 0.01, 0.01, 0.01, half, 0.005, 0.02)
 
 
 def fit(data: Readings, suspects: Sequence[Candidate] = (), start: Fit | None = None) -> Fit:
@@ -233,6 +266,22 @@ def fit(data: Readings, suspects: Sequence[Candidate] = (), start: Fit | None = 
     return max(
         (_settle(problem, begin, spread) for begin, _ in tried[:KEPT]), key=lambda found: found.log_evidence
     )
+
+
+def plain_fit(data: Readings) -> Fit:
+    """The coefficient alone, with the nuisances that it needs; its `readings` say which.
+
+    Whether the rate of each place changes by its own shape, and whether a campaign's errors are smooth over place: each is in the model of
+    all suspects if it makes the coefficient alone more probable.
+    """
+    best, past = fit(data), data.past
+    if len(past.begin) < FEWEST_PLACES:
+        return best
+    for more in ({"bent": data.deepest}, {"warped": past.smooth} if past.smooth.shape[1] else {}):
+        if more:
+            richer = fit(replace(data, past=replace(best.readings.past, **more)))
+            best = max(best, richer, key=lambda fitted: fitted.log_evidence)
+    return best
 
 
 def _settle(problem: "_Problem", coordinate: np.ndarray, spread: Spread) -> Fit:
@@ -263,7 +312,8 @@ def _settle(problem: "_Problem", coordinate: np.ndarray, spread: Spread) -> Fit:
         - 0.5 * float(np.linalg.slogdet(precision)[1])
         - sum(suspect.penalty for suspect in problem.suspects)
     )
-    return Fit(problem.suspects, coordinate, deviation, spread, evidence, data, depth)
+    expected = problem.expected(coordinate, spread, depth)
+    return Fit(problem.suspects, coordinate, deviation, spread, evidence, data, depth, expected)
 
 
 class _Problem:
@@ -272,7 +322,7 @@ class _Problem:
     def __init__(self, data: Readings, suspects: tuple[Candidate, ...]) -> None:
         self.data, self.suspects = data, suspects
         still: list[int] = []
-        at = 1
+        at = data.coefficients
         for suspect in suspects:
             at += len(suspect.free)
             still += range(at - suspect.frozen, at)
@@ -282,14 +332,35 @@ class _Problem:
     def depth(self, coordinate: np.ndarray) -> np.ndarray:
         return depths(self.data.past, model_at(self.data, self.suspects, coordinate))
 
+    def expected(self, coordinate: np.ndarray, spread: Spread, depth: np.ndarray) -> np.ndarray:
+        """(l, m) mean depth over the lists that frozen coordinates number, by their probability at the other coordinates"""
+        lists: list[tuple[int, np.ndarray]] = []
+        at = self.data.coefficients
+        for suspect in self.suspects:
+            at += len(suspect.free)
+            lists += [(i, np.unique(suspect.starts[:, i - at])) for i in range(at - suspect.frozen, at)]
+        root = self.root(coordinate, spread) if lists else np.zeros((0, 0))
+        for place, entries in lists:
+            others = np.tile(coordinate, (len(entries), 1))
+            others[:, place] = entries
+            half = np.array([0.5 * np.sum(self.residual(other, root) ** 2) for other in others])
+            weight = np.exp(half.min() - half)
+            likely = weight > 1e-3
+            weight /= weight[likely].sum()
+            if likely.sum() > 1:
+                depth = depth + sum(
+                    w * (self.depth(o) - depth) for w, o in zip(weight[likely], others[likely], strict=True)
+                )
+        return depth
+
     def first(self, start: Fit | None) -> np.ndarray:
-        known = np.zeros(1) if start is None else start.coordinate
+        known = np.zeros(self.data.coefficients) if start is None else start.coordinate
         rest = [s.starts[0] for s in self.suspects[0 if start is None else len(start.suspects) :]]
         return np.concatenate([known, *rest])
 
     def starts(self, start: Fit | None) -> list[np.ndarray]:
         """Where searches begin: what is known, with each start of what is new"""
-        begins = [np.zeros(1) if start is None else start.coordinate]
+        begins = [np.zeros(self.data.coefficients) if start is None else start.coordinate]
         for suspect in self.suspects[0 if start is None else len(start.suspects) :]:
             begins = [np.concatenate([b, s]) for b in begins for s in suspect.starts]
         return begins
@@ -299,12 +370,13 @@ class _Problem:
         if len(begins) <= SEARCHED:
             return begins
         plain = _Problem(self.data, ())
-        own = plain.residual(begins[0][:1], root)
-        tangent = plain.residual(begins[0][:1] + 1e-3, root) - own
-        tangent /= np.linalg.norm(tangent)
-        own = own - tangent * (tangent @ own)
+        at = begins[0][: self.data.coefficients]
+        own = plain.residual(at, root)
+        steps = 1e-3 * np.eye(len(at))
+        tangent = np.linalg.qr(np.stack([plain.residual(at + step, root) - own for step in steps], axis=1))[0]
+        own = own - tangent @ (tangent.T @ own)
         change = np.stack([self.residual(begin, root) for begin in begins], axis=1) - own[:, None]
-        change -= tangent[:, None] * (tangent @ change)
+        change -= tangent @ (tangent.T @ change)
         gain = (own @ change) ** 2 / np.maximum((change**2).sum(axis=0), 1e-300)
         return [begins[i] for i in np.argsort(-gain, kind="stable")[:SEARCHED]]
 

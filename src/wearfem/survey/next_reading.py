@@ -82,15 +82,17 @@ def _longer(past: History, more: float) -> History:
         calendar = np.concatenate([past.calendar, total * more], axis=1)
     return replace(
         past, begin=np.concatenate([past.begin, end], axis=1), end=np.concatenate([past.end, end + more], axis=1),
-        exposure=again(past.exposure), feature={n: again(v) for n, v in past.feature.items()}, calendar=calendar,
+        exposure=again(past.exposure), others=np.array([again(o) for o in past.others]).reshape(-1, *end.shape[:1], past.end.shape[1] + 1),
+        feature={n: again(v) for n, v in past.feature.items()}, calendar=calendar,
         occasion=again(past.occasion),
     )  # fmt: skip
 
 
 def _exposed(past: History, factor: float) -> History:
     """Every point exposed as many times the median of all"""
+    alike = [np.full_like(e, factor * float(np.median(e))) for e in (past.exposure, *past.others)]
     return replace(
-        past, exposure=np.full_like(past.exposure, factor * float(np.median(past.exposure))), course=None
+        past, exposure=alike[0], others=np.array(alike[1:]).reshape(past.others.shape), course=None
     )
 
 

@@ -1,10 +1,13 @@
 """What disturbs readings and is no physics: zero errors, new thickness, the tonnage book, scatter from place to place; shrunk to zero.
 
 A reading is what the model says plus what a campaign reads too high (by the same everywhere, or in proportion to wear: the velocity of
-sound, or another place along a belt), what the plate measured other than told, the plate's own scatter of
-the rate, the tonnage book's error in each interval, and the gauge's error:
+sound, or another place along a belt), what the plate measured other than told, the plate's own scatter of the rate, the tonnage book's
+error in each interval, what neighbours have in common (the model's rate is off by a smooth function of place, all points lie beside
+where they are told to be, a campaign's readings are off by a smooth function of place), the change of each place's rate with depth by
+its own shape, and the gauge's error:
 
-    y = d + z[occasion] + s[occasion] d + h[life] + u[life] d + sum over intervals of b[interval] (growth of d in it) + e.
+    y = d + z[occasion] + s[occasion] d + h[life] + u[life] d + f(place) d + (shift . grad ln d) d + g[life] d^2 + w[occasion](place)
+      + sum over intervals of b[interval] (growth of d in it) + e.
 
 All are normal with standard deviations that the data tell (by marginal likelihood), under exponential priors that pull those to zero that
 are not needed. They are integrated out, not fitted: points read many times count as one where the scatter between points is what matters.
@@ -17,7 +20,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, solve_triangular
-from scipy.linalg.lapack import dpotri
+from scipy.linalg.lapack import dtrtri
 from scipy.optimize import minimize
 
 from wearfem.survey.history import History
@@ -25,6 +28,9 @@ from wearfem.survey.survey import Survey
 
 SCATTER_PRIOR = 0.1  # [-] mean of the exponential prior of the scatter of the rate between places
 SCALE_PRIOR = 0.02  # [-] of what a campaign reads too much of the wear
+SMOOTH_PRIOR = 0.02  # [-] of a smooth error of the rate
+BEND_PRIOR = 0.03  # [-] of the rate's change with depth from place to place
+SHIFT_PRIOR = 0.01  # [m] of where all points are
 BOOK_PRIOR = 0.02  # [-] and of the error of the tonnage book in an interval
 OFFSET_PRIOR = 1.0  # [gauge errors] and of zero errors and new thicknesses
 GAUGE_PRIOR = 0.15  # [-] standard deviation of the logarithm of the gauge error about what was given
@@ -45,6 +51,14 @@ class Spread:
         [same] of the zero error of a campaign, and of a plate's new thickness about what is told.
     scatter, book, scale
         [-] of the rate between places, of the tonnage book's error in an interval, and of a campaign's error in proportion to wear.
+    smooth
+        [-] of the rate, as a smooth function of place.
+    warp
+        [SI unit of the reading] of what a campaign reads too high, as a smooth function of place.
+    shift
+        [m] of all points together, along each axis.
+    bend
+        [-] of the rate between places, by which it has changed at the deepest wear: each place's own shape.
     """
 
     gauge: float
@@ -53,6 +67,10 @@ class Spread:
     scatter: float
     book: float
     scale: float
+    smooth: float
+    warp: float
+    shift: float
+    bend: float
 
 
 @dataclass(frozen=True)
@@ -60,7 +78,8 @@ class Disturbance:
     """How nuisances enter the readings: (n, q) columns, and which standard deviation each has.
 
     `weight` (n,) is the variance of a reading over gauge squared; `group` (q,) is 0 zero error, 1 new thickness, 2 scatter, 3 book, 4
-    free new thickness, 5 a campaign's error in proportion; `label` (q,) the occasion, life or interval.
+    free new thickness (of a life, or common to all, with the number of lives for a label), 5 a campaign's error in proportion, 6 smooth
+    error of the rate, 7 of a campaign, 8 shift, 9 bend; `label` (q,) the occasion, life, interval, function or axis.
     """
 
     column: np.ndarray
@@ -71,6 +90,7 @@ class Disturbance:
     def deviation(self, spread: Spread) -> np.ndarray:
         """(q,) standard deviation of each nuisance."""
         each = [spread.zero, spread.initial, spread.scatter, spread.book, FREE * spread.gauge, spread.scale]
+        each += [spread.smooth, spread.warp, spread.shift, spread.bend]
         return np.array(each)[self.group]
 
 
@@ -113,9 +133,18 @@ def disturbance(
                 book, (np.arange(rows), past.occasion[survey.life, j]), passed[:, j] * growth[survey.life, j]
             )
         add(book, 3)
+        if past.smooth.shape[1]:
+            add(past.smooth[survey.life] * at[:, None], 6)
+        if past.warped.shape[1]:
+            add((zero[:, :, None] * past.warped[survey.life][:, None, :]).reshape(rows, -1), 7)
+        if past.bent > 0.0:
+            add(by_life * (at**2 / past.bent)[:, None], 9)
+        if past.steepness.any():
+            add(past.steepness[survey.life] * at[:, None], 8)
     add(by_life, 4 if thickness_free else 1)
     if thickness_free:
         add(np.ones((rows, 1)), 4)
+        labels[-1] = np.array([lives])  # common to all plates, and of none
     weight = np.where(np.isfinite(survey.sigma), survey.sigma / told, 1.0) ** 2
     return Disturbance(np.concatenate(columns, 1), np.concatenate(groups), np.concatenate(labels), weight)
 
@@ -141,12 +170,12 @@ class Covariance:
         return float(white @ white - inner @ inner)
 
     def root(self) -> np.ndarray:
-        """(n, n) matrix R with R' R = C^-1, symmetric but for the weights"""
-        # (1 + S S')^-1/2 = 1 - S V f V' S' with S' S = V diag(e) V', f = (1 - (1 + e)^-1/2) / e = 1 / (1 + e + (1 + e)^1/2)
-        e, v = np.linalg.eigh(self.scaled.T @ self.scaled)
-        e = 1.0 + np.maximum(e, 0.0)
-        turned = self.scaled @ (v / np.sqrt(e + np.sqrt(e)))
-        inner = np.eye(len(self.weight)) - turned @ turned.T
+        """(n, n) matrix R with R' R = C^-1"""
+        # with L L' = 1 + S' S and K = (1 + L')^-1 L^-1:  K + K' - K' S' S K = (L L')^-1, so (1 - S K S')' (1 - S K S') = (1 + S S')^-1
+        half = solve_triangular(self.factor, self.scaled.T, lower=True, check_finite=False)
+        one = np.eye(len(self.factor))
+        half = solve_triangular(one + self.factor.T, half, lower=False, check_finite=False)
+        inner = np.eye(len(self.weight)) - self.scaled @ half
         return inner / (self.gauge * np.sqrt(self.weight))
 
     @property
@@ -179,7 +208,8 @@ def log_prior(spread: Spread, told: float | None, reference: float) -> float:
 
     `told` is the gauge error that was given, `reference` the size that zero errors are compared with.
     """
-    value = -(spread.zero + spread.initial) / (OFFSET_PRIOR * reference)
+    value = -(spread.zero + spread.initial + spread.warp) / (OFFSET_PRIOR * reference)
+    value -= spread.smooth / SMOOTH_PRIOR + spread.shift / SHIFT_PRIOR + spread.bend / BEND_PRIOR
     value -= spread.scatter / SCATTER_PRIOR + spread.book / BOOK_PRIOR + spread.scale / SCALE_PRIOR
     value -= 0.5 * (np.log(spread.gauge / (told or reference)) / (GAUGE_PRIOR if told else GUESS_PRIOR)) ** 2
     return float(value)
@@ -199,7 +229,10 @@ def fit_spread(
     z = found.column / root[:, None]
     r = residual / root
     inner, side, total = z.T @ z, z.T @ r, float(r @ r)
-    unit = np.array([reference, reference, reference, SCATTER_PRIOR, BOOK_PRIOR, SCALE_PRIOR])
+    unit = np.array(
+        [reference] * 3
+        + [SCATTER_PRIOR, BOOK_PRIOR, SCALE_PRIOR, SMOOTH_PRIOR, reference, SHIFT_PRIOR, BEND_PRIOR]
+    )
     floor = np.log(LEAST_SHARE)
 
     def negative(log: np.ndarray) -> tuple[float, np.ndarray]:
@@ -208,24 +241,30 @@ def fit_spread(
         spread = Spread(*size)
         g2 = spread.gauge**2
         t = found.deviation(spread) / spread.gauge
-        inverse, determinant = _inverse(inner * t * t[:, None])
-        weighed = t * (inverse @ (t * side))
+        turned, determinant = _inverse_root(inner * t * t[:, None])
+        weighed = t * (turned.T @ (turned @ (t * side)))
         square = (total - side @ weighed) / g2
         value = 0.5 * (square + determinant + 2.0 * len(r) * log[0])
         taken = (side - inner @ weighed) / g2  # z' C^-1 r
-        at = inner * t
-        own = (np.diag(inner) - np.einsum("ij,ij->i", at @ inverse, at)) / g2  # diagonal of z' C^-1 z
+        diagonal = np.einsum("ij,ij->j", turned, turned)
+        own = (1.0 - diagonal) / (t * t * g2)  # diagonal of z' C^-1 z
         each = 0.5 * (own - taken**2)
-        trace = (len(r) - len(t) + np.trace(inverse)) / g2
+        trace = (len(r) - len(t) + diagonal.sum()) / g2
         by_gauge = 0.5 * (trace - (total - 2.0 * weighed @ side + weighed @ inner @ weighed) / g2**2)
-        slope = 2.0 * size**2 * np.array([by_gauge, *(each[found.group == k].sum() for k in (0, 1, 2, 3, 5))])
+        slope = (
+            2.0
+            * size**2
+            * np.array([by_gauge, *(each[found.group == k].sum() for k in (0, 1, 2, 3, 5, 6, 7, 8, 9))])
+        )
         slope[0] += 2.0 * FREE**2 * g2 * each[found.group == 4].sum()
-        slope += size / unit / np.array([np.inf, *[OFFSET_PRIOR] * 2, 1.0, 1.0, 1.0])
+        slope += (
+            size / unit / np.array([np.inf, *[OFFSET_PRIOR] * 2, 1.0, 1.0, 1.0, 1.0, OFFSET_PRIOR, 1.0, 1.0])
+        )
         slope[0] += np.log(spread.gauge / (told or reference)) / (GAUGE_PRIOR if told else GUESS_PRIOR) ** 2
         return value - log_prior(spread, told, reference), slope
 
     first = np.log(np.maximum(np.array(list(_values(start).values())) / unit, 1.01 * LEAST_SHARE))
-    limits = [(first[0] - 4.0, first[0] + 4.0)] + [(floor, np.log(100.0))] * 5
+    limits = [(first[0] - 4.0, first[0] + 4.0)] + [(floor, np.log(100.0))] * 9
     best = minimize(
         negative, first, jac=True, method="L-BFGS-B", bounds=limits, options={"maxiter": 25, "ftol": 1e-7}
     )
@@ -233,14 +272,12 @@ def fit_spread(
     return Spread(*(float(v) for v in value))
 
 
-def _inverse(square: np.ndarray) -> tuple[np.ndarray, float]:
-    """The inverse of 1 + a matrix (q, q), and the logarithm of the determinant"""
+def _inverse_root(square: np.ndarray) -> tuple[np.ndarray, float]:
+    """The inverse (q, q) of the Cholesky factor of 1 + a matrix, and the logarithm of the determinant"""
     square[np.diag_indices_from(square)] += 1.0
     factor = np.linalg.cholesky(square)
-    inverse, _ = dpotri(factor, lower=1)
-    inverse = np.tril(inverse)
-    return inverse + np.tril(inverse, -1).T, 2.0 * float(np.log(np.diag(factor)).sum())
+    return dtrtri(factor, lower=1)[0], 2.0 * float(np.log(np.diag(factor)).sum())
 
 
 def _values(spread: Spread) -> Mapping[str, float]:
-    return {name: getattr(spread, name) for name in ("gauge", "zero", "initial", "scatter", "book", "scale")}
+    return dict(spread.__dict__)

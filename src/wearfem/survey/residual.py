@@ -14,7 +14,7 @@ from scipy.stats import chi2
 from wearfem.survey.candidates import curves
 from wearfem.survey.history import depths
 from wearfem.survey.identify import Fit, fit, model_at
-from wearfem.survey.nuisance import BOOK_PRIOR, SCALE_PRIOR, Spread, covariance, disturbance
+from wearfem.survey.nuisance import BOOK_PRIOR, SCALE_PRIOR, SHIFT_PRIOR, Spread, covariance, disturbance
 
 CAREFUL_SCATTER = 0.03  # [-] between places that are exposed alike
 
@@ -45,7 +45,8 @@ def noise_spread(fitted: Fit) -> Spread:
     guess = min(found.gauge, data.reference) if data.reference_known else found.gauge
     return Spread(
         data.gauge or guess, found.zero, min(found.initial, data.reference), min(found.scatter, CAREFUL_SCATTER),
-        min(found.book, BOOK_PRIOR), min(found.scale, SCALE_PRIOR),
+        min(found.book, BOOK_PRIOR), min(found.scale, SCALE_PRIOR), min(found.smooth, CAREFUL_SCATTER), found.warp,
+        min(found.shift, SHIFT_PRIOR), min(found.bend, CAREFUL_SCATTER),
     )  # fmt: skip
 
 

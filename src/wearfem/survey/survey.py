@@ -53,7 +53,8 @@ class Survey:
     life_point, life_start
         (l,) the point of each life, and the progress at which its plate was put in.
     exposure
-        (n,) baseline wear by unit of coefficient and of progress, between the reading before and this one.
+        (n,) baseline wear by unit of coefficient and of progress, between the reading before and this one; (n, e) where several
+        mechanisms wear, each with a coefficient of its own.
     exposure_known
         Whether it was given; it is 1 everywhere if not.
     feature
@@ -62,6 +63,10 @@ class Survey:
         Where the rows come from.
     taken_as_replaced
         Points whose plate was taken to be replaced because the wear vanished, where no specimens are told.
+    zone
+        What the survey calls the zone of each point, where it has a column of that name; empty if not.
+    mechanisms
+        Names of the exposures where there are several: `sliding` of a column `exposure_sliding`.
     course
         What a run of the model tells of each life; then `exposure` is 1 everywhere and the coefficient is a factor on the run's wear.
     """
@@ -88,6 +93,8 @@ class Survey:
     feature: Mapping[str, np.ndarray]
     source: str
     taken_as_replaced: tuple[str, ...] = ()
+    zone: tuple[str, ...] = ()
+    mechanisms: tuple[str, ...] = ()
     course: Course | None = None
 
     @property
@@ -148,12 +155,14 @@ def read_survey(path: Path, *, progress: str = "", exposure: Path | None = None)
         table["specimen"] = [str(number) for number in plate]
         replaced = tuple(point_names[p] for p in np.unique(point[plate > 0]))
     life, life_point, life_start = _lives(path, table, point, at, clock)
-    feature, exposed = _features(path, table, {"point", "occasion", "specimen", clock, measured})
+    feature, exposed, mechanisms = _features(
+        path, table, {"point", "occasion", "specimen", "zone", clock, measured}
+    )
     known = exposed is not None
     if exposure is not None:
         if known:
             raise UserError(f"{path} has a column exposure, and {exposure} was given too; give one of them")
-        exposed, more = _read_exposure(exposure, table["point"], table.get("occasion"))
+        exposed, more, mechanisms = _read_exposure(exposure, table["point"], table.get("occasion"))
         feature, known = {**feature, **more}, True
     sigma = _beside(path, table, "sigma", told.factor)
     if (sigma <= 0.0).any():
@@ -165,6 +174,7 @@ def read_survey(path: Path, *, progress: str = "", exposure: Path | None = None)
         reading, MEASURED[told.quantity],
         measured, told.unit, told.factor, sigma, _beside(path, table, "initial", told.factor),
         life_point, life_start, np.ones(len(at)) if exposed is None else exposed, known, feature, str(path), replaced,
+        _zones(path, table, point_names), mechanisms,
     )  # fmt: skip
 
 
@@ -195,6 +205,21 @@ def _measured_column(path: Path, table: Mapping[str, list[str]]) -> str:
     if not column(found[0]).unit:
         raise UserError(f"{path} has a column {found[0]} without unit; write it like {found[0]}_mm")
     return found[0]
+
+
+def _zones(path: Path, table: Mapping[str, list[str]], points: tuple[str, ...]) -> tuple[str, ...]:
+    """The zone of each point; nothing where there is no such column."""
+    if "zone" not in table:
+        return ()
+    named = {
+        point: {z for p, z in zip(table["point"], table["zone"], strict=True) if p == point}
+        for point in points
+    }
+    if doubled := [point for point, zones in named.items() if len(zones) > 1]:
+        raise UserError(
+            f"{path} has point {doubled[0]} in the zones {in_words(sorted(named[doubled[0]]))}; a point belongs to one zone"
+        )
+    return tuple(next(iter(zones)) or "no zone" for zones in named.values())
 
 
 def _occasions(table: Mapping[str, list[str]], at: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:
@@ -262,18 +287,21 @@ def _beside(path: Path, table: Mapping[str, list[str]], quantity: str, factor: f
 
 def _features(
     path: Path, table: Mapping[str, list[str]], taken: set[str]
-) -> tuple[dict[str, np.ndarray], np.ndarray | None]:
-    """What else the columns tell, in SI, and the exposure if it is among them; columns of text are labels and left out."""
+) -> tuple[dict[str, np.ndarray], np.ndarray | None, tuple[str, ...]]:
+    """What else the columns tell, in SI, the exposures among them and their names; columns of text are labels and left out."""
     feature: dict[str, np.ndarray] = {}
-    exposed = None
+    exposed: dict[str, np.ndarray] = {}
     for name, text in table.items():
         told = column(name)
         if name in taken or told.quantity in {"sigma", "initial", "installed"} or not _numeric(text):
             continue
-        if name == "exposure":
-            exposed = numbers(path, name, text)
-            if (exposed < 0.0).any() or not (exposed > 0.0).any():
-                raise UserError(f"{path} has exposures below 0 or none above; exposure is wear, 0 or more")
+        if name == "exposure" or name.startswith("exposure_"):
+            wear = numbers(path, name, text)
+            if (wear < 0.0).any() or not (wear > 0.0).any():
+                raise UserError(
+                    f"{path} has exposures below 0 or none above in {name}; exposure is wear, 0 or more"
+                )
+            exposed[name.removeprefix("exposure").removeprefix("_")] = wear
             continue
         feature[KNOWN_AS.get(told.quantity, told.quantity)] = told.si(numbers(path, name, text, empty=True))
     axes = [feature.pop(axis, None) for axis in "xyz"]
@@ -282,7 +310,14 @@ def _features(
         feature["position"] = np.stack([np.zeros(rows) if axis is None else axis for axis in axes], axis=1)
     if "load" in feature and "pressure" not in feature:
         feature["pressure"] = feature.pop("load")  # in proportion, where the area of contact does not change
-    return {name: value for name, value in feature.items() if np.isfinite(value).any()}, exposed
+    if "" in exposed and len(exposed) > 1:
+        raise UserError(
+            f"{path} has exposure beside exposure_{list(exposed)[1]}; name all mechanisms, or give the sum alone"
+        )
+    known = {name: value for name, value in feature.items() if np.isfinite(value).any()}
+    if len(exposed) > 1:
+        return known, np.stack(list(exposed.values()), axis=1), tuple(exposed)
+    return known, next(iter(exposed.values()), None), ()
 
 
 def _numeric(text: list[str]) -> bool:
@@ -298,11 +333,13 @@ def _numeric(text: list[str]) -> bool:
 
 def _read_exposure(
     path: Path, points: list[str], occasions: list[str] | None
-) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Exposure and features of a table by point (and occasion), for rows of a survey."""
+) -> tuple[np.ndarray, dict[str, np.ndarray], tuple[str, ...]]:
+    """Exposures, features and names of mechanisms of a table by point (and occasion), for rows of a survey."""
     table = read_table(path)
-    if "point" not in table or "exposure" not in table:
-        raise UserError(f"{path} has the columns {in_words(list(table))}; it needs point and exposure")
+    if "point" not in table or not any(name.partition("_")[0] == "exposure" for name in table):
+        raise UserError(
+            f"{path} has the columns {in_words(list(table))}; it needs point and exposure (or exposure_sliding, exposure_impact ...)"
+        )
     by_occasion = "occasion" in table and occasions is not None
     keys = list(zip(table["point"], table["occasion"], strict=True)) if by_occasion else table["point"]
     if len(set(keys)) < len(keys):
@@ -314,7 +351,7 @@ def _read_exposure(
             f"{path} has no row for {in_words(missing[:3])}{' and others' if len(missing) > 3 else ''} of the survey"
         )
     of = np.array([row[key] for key in asked])
-    feature, exposed = _features(path, table, {"point", "occasion"})
+    feature, exposed, mechanisms = _features(path, table, {"point", "occasion"})
     if exposed is None:
         raise UserError(f"{path} has no number in column exposure")
-    return exposed[of], {name: value[of] for name, value in feature.items()}
+    return exposed[of], {name: value[of] for name, value in feature.items()}, mechanisms
