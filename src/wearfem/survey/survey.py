@@ -278,7 +278,9 @@ def _features(
         if name == "exposure" or name.startswith("exposure_"):
             wear = numbers(path, name, text)
             if (wear < 0.0).any() or not (wear > 0.0).any():
-                raise UserError(f"{path} has exposures below 0 or none above in {name}; exposure is wear, 0 or more")
+                raise UserError(
+                    f"{path} has exposures below 0 or none above in {name}; exposure is wear, 0 or more"
+                )
             exposed[name.removeprefix("exposure").removeprefix("_")] = wear
             continue
         feature[KNOWN_AS.get(told.quantity, told.quantity)] = told.si(numbers(path, name, text, empty=True))
