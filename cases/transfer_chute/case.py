@@ -49,6 +49,7 @@ VELOCITY = (0.2, 0.0, -5.33)  # [m/s] of the ore where it comes on
 DIAMETER = (3 * mm, 8 * mm)
 SHEAR_MODULUS = 65 * GPa  # of the ore
 TIME_STEP = 1.5e-6  # [s]
+FRICTION = 0.46  # [-] of the ore on the chute
 SPECIFIC_WEAR_RATE = 3.0e-13  # [m2/N]
 ONSET = 28.36 * degree  # where the ore first meets the chute
 INLET_LENGTH = 0.1  # [m] along x
@@ -68,7 +69,7 @@ THICKNESS = 20 * mm
 NINETY = 1.645  # [-] standard deviations within which 90 % lie
 DRAWN = 5.0  # [-] how much thicker the chute is drawn than it is
 LAYERS = 1  # of elements through the thickness, which a slice as wide as several facets are long needs to keep its shape
-WARM_UP = 0.6  # [s] from the first particle to a steady stream
+WARM_UP = 0.5  # [s] from the first particle to a steady stream
 BLOCK = 0.05  # [s] over which loads are summed for their standard error
 BINS = 12  # of zone 2, for the speed of the stream
 BAND = 1 * degree  # on both sides of an angle, where the stream's speed is taken
@@ -94,6 +95,7 @@ class Stream:
     slice_width: float  # [m] periodic across; 0 for the whole chute with its sides
     time_step: float  # [s]
     seed: int
+    rolling_friction: float = 0.3  # [-] of the ore on the chute
 
     @property
     def radii(self) -> tuple[float, float]:
@@ -143,7 +145,7 @@ class Stream:
         x, z = surface.point[:, 0], surface.point[:, 2]
         return Model(
             materials=(stone, STEEL),
-            interactions=(Interaction(stone, STEEL, restitution=0.4, friction=0.46, rolling_friction=0.3),),
+            interactions=(Interaction(stone, STEEL, 0.4, FRICTION, self.rolling_friction),),
             time_step=self.time_step,
             domain=Domain(
                 (x.min() - 0.05, low - reach, z.min() - 0.05),
@@ -378,15 +380,16 @@ def theory(stream: Passage) -> Theory:
 
 def case(
     *,
-    slice_width: float = 70 * mm,
+    slice_width: float = 85 * mm,
     shear_modulus: float = 65 * MPa,
-    coarsening: float = 2.0,
+    coarsening: float = 2.5,
+    rolling_friction: float = 0.3,
     time_step_share: float = 0.25,
     mesh_size: float = 10 * mm,
-    smoothing_length: float = 10 * mm,
+    smoothing_length: float = 30 * mm,
     limit_thickness: float = 8 * mm,
     tolerance: float = 0.05,
-    window: float = 0.5 * second,
+    window: float = 0.4 * second,
     longest_jump: float = 1e12,
     frozen: bool = False,
     stop: float = 1e12,
@@ -405,6 +408,8 @@ def case(
         Of the ore [Pa]; printed: 65 GPa. A softer ore needs fewer time steps.
     coarsening
         Factor on the diameters of the ore, 3 to 8 mm. Coarser ore is fewer particles.
+    rolling_friction
+        Of the ore on the chute [-]; printed: 0.3. From the sliding friction 0.46 on, balls slide without rolling.
     time_step_share
         Time step over the smallest particle's Rayleigh time [-].
     mesh_size
@@ -427,7 +432,7 @@ def case(
         Of the feed.
     """
     step = time_step_share * rayleigh_time(coarsening, shear_modulus)
-    stream = Stream(shear_modulus, coarsening, slice_width, step, seed)
+    stream = Stream(shear_modulus, coarsening, slice_width, step, seed, rolling_friction)
     liner = Liner(strip(slice_width, mesh_size) if slice_width else trough(mesh_size), STEEL)
     return LifeCase(
         name="transfer_chute",
@@ -464,7 +469,10 @@ def shortcuts(stream: Stream, step: float) -> tuple[str, ...]:
         notes.append(f"the ore is {small:g} to {large:g} mm instead of 3 to 8 mm")
     if abs(step / TIME_STEP - 1.0) > 0.05:
         notes.append(f"the time step is {step:.3g} s instead of 1.5e-6 s")
-    return (*notes, "what each of these does to the rates is measured: see the README of the case")
+    return (
+        *notes,
+        "what each of these does to the rates, and the smoothing length to the life, is measured: see the README of the case",
+    )
 
 
 def figures(history: History, stream: Stream, new: Liner) -> tuple[Figure, ...]:

@@ -27,6 +27,7 @@ from wearfem.wear.smooth import HelmholtzFilter
 
 CASE = Path(__file__).parent
 FINEST = 2.5e-3  # [m]
+ORE = {"coarsening": 2.0, "slice_width": 0.07}
 MERGED = (1, 2, 4, 8, 16)  # facets into one
 LENGTHS = (0.0, 10e-3, 20e-3, 30e-3, 40e-3, 60e-3, 80e-3)  # [m]
 
@@ -35,7 +36,7 @@ def load_distance(seconds: float, file: Path | None) -> np.ndarray:
     """(b, f) [N m/s] of facets in a row down the chute, by block"""
     if file and file.exists():
         return np.load(file)["load_distance"]
-    case = load_any_case(CASE, {"mesh_size": FINEST})
+    case = load_any_case(CASE, ORE | {"mesh_size": FINEST})
     assert isinstance(case, LifeCase)
     surface = wear_surface(case.liner)
     model = case.sampler.model(surface)  # type: ignore[attr-defined]
@@ -49,7 +50,7 @@ def load_distance(seconds: float, file: Path | None) -> np.ndarray:
 
 def depth_rate(work: np.ndarray, merged: int, length: float) -> np.ndarray:
     """(b, f) [m/s] on facets of `merged` of the finest, evened out over `length` [m]"""
-    case = load_any_case(CASE, {"mesh_size": FINEST})
+    case = load_any_case(CASE, ORE | {"mesh_size": FINEST})
     assert isinstance(case, LifeCase)
     chute = sys.modules[case.measure.__module__]
     width = case.settings["slice_width"]

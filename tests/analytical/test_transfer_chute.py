@@ -94,5 +94,5 @@ def test_a_stream_of_coarse_ore():
 
 @pytest.mark.slow
 def test_a_stream_of_ore_twice_as_large():
-    for claim in proof.stream(seconds=2.0, noise=0.007):
+    for claim in proof.stream(seconds=2.0, noise=0.007, coarsening=2.0, slice_width=0.07):
         assert claim.holds, claim

@@ -13,8 +13,10 @@ LAYERS = (
     {"verify", "bench", "check", "measured"},
     {"proofs"},
     {"benchmarks"},
-    {"report_page"},
-    {"report_facts", "report_drawings"},
+    {"report_page", "diagnosis_page"},
+    {"foretell"},
+    {"forecast"},
+    {"report_facts", "report_drawings", "diagnosis_drawings"},
     {"report", "report_particles", "study", "study_results", "verification"},
     {"improve_words"},
     {"improve"},
@@ -30,7 +32,7 @@ LAYERS = (
     {"dem", "liner", "wear", "survey"},
     {"surface_file"},
     {"surface", "loads", "material", "slope"},
-    {"vector", "units", "jit", "errors", "proof", "edges", "convergence"},
+    {"vector", "units", "jit", "errors", "proof", "edges", "convergence", "costs"},
 )
 SIBLINGS = {"dem", "liner", "wear", "survey"}  # never import one another ...
 SIBLING_ARROWS = {("survey", "wear")}  # ... except here
@@ -42,7 +44,7 @@ ONLY_IN = {
     "numba": ("jit.py", "dem/gpu.py"),
     "skfem": ("liner/", "wear/smooth.py"),
     "matplotlib": ("report.py", "report_particles.py", "pictures.py", "render.py", "report_drawings.py"),
-    "jinja2": ("report_page.py",),
+    "jinja2": ("report_page.py", "diagnosis_page.py"),
     "pyvista": ("report.py", "render.py"),
     "click": ("cli.py",),
     "distributed": ("study.py",),
