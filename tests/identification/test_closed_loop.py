@@ -137,3 +137,15 @@ def test_held_out_error_falls_to_the_noise(hidden, seed, tmp_path):
     if hidden == "hardness_gradient":  # whose factor is 1 at no depth; 2 % for sampling and mesh
         last = done.last.put_in
         assert abs(np.log(last.factor / FACTOR)) < 0.02 + 3.0 * last.deviation[0]
+
+
+@pytest.mark.slow
+def test_the_shipped_survey_is_that_of_the_plant(tmp_path):
+    made = plant(tmp_path, "hardness_gradient", 42)
+    shipped = read_survey(PLATE.case / "measured" / "survey.csv")
+    # one digit of the gauge: last bits of a run may differ from machine to machine
+    np.testing.assert_allclose(shipped.reading, made.survey.reading, atol=0.02e-3)
+    assert (shipped.point_names, shipped.progress.tolist()) == (
+        made.survey.point_names,
+        made.survey.progress.tolist(),
+    )
