@@ -329,6 +329,25 @@ def load_any_case(folder: Path, settings: Mapping[str, Value] | None = None) -> 
     return replace(case, settings=keywords, folder=file.parent)
 
 
+def case_keywords(folder: Path) -> inspect.Signature:
+    """The keywords of a case with their defaults [SI]."""
+    return _case_function(find_case(folder))[1]
+
+
+def parts_of(folder: Path) -> ModuleType:
+    """What the case file of a folder defines, so that another case can be built from its parts.
+
+    Name that file among the `files` of the case that uses it: the manifest then keeps its hash too.
+
+    Raises
+    ------
+    UserError
+        where the folder has no case, or its file fails.
+    """
+    file = find_case(folder)
+    return _in_users_file(file, lambda: _import(file))
+
+
 def find_case(folder: Path) -> Path:
     """The `case.py` of a folder (or of the path to the file itself)."""
     file = folder if folder.name == "case.py" else folder / "case.py"

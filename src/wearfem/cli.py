@@ -215,12 +215,14 @@ def forecast(
 @wearfem.command()
 @click.argument("run", type=Path)
 @click.option("--out", type=Path, metavar="FILE", help="The page to write; report.html in RUN if not given.")
+@forecast_options
 @json_option
-def report(run: Path, out: Path | None, json_file: Path | None) -> None:
+def report(run: Path, out: Path | None, json_file: Path | None, **asked: Any) -> None:
     """Write one page on a life, for the planner of maintenance; it needs no network and prints well."""
+    from wearfem.foretell import asked_for
     from wearfem.report_page import write_report
 
-    write_report(run, out, json_file)
+    write_report(run, out, json_file, asked_for(**asked))
 
 
 @wearfem.command()
@@ -286,6 +288,46 @@ def diagnose(
     from wearfem.measured import diagnose_survey
 
     diagnose_survey(survey, progress, exposure, run_folder, out, json_file, limit, next_stop)
+
+
+@wearfem.command()
+@survey_argument
+@click.option(
+    "--run",
+    "run_folder",
+    type=Path,
+    metavar="RUN",
+    required=True,
+    help="The run that the readings belong to.",
+)
+@click.option("--out", type=Path, metavar="DIR", required=True, help="A folder for the improved case.")
+@progress_option
+@click.option(
+    "--rounds",
+    type=int,
+    default=6,
+    show_default=True,
+    metavar="N",
+    help="Coupled runs at most, of each kind.",
+)
+@json_option
+@click.option("--quiet", is_flag=True, help="Show no progress.")
+def improve(
+    survey: Path,
+    run_folder: Path,
+    out: Path,
+    progress: str,
+    rounds: int,
+    json_file: Path | None,
+    quiet: bool,
+) -> None:
+    """Add to the case of RUN what a SURVEY (CSV) asks for, and repeat the run until both agree.
+
+    DIR/improved is the improved case, for wearfem run. The same command goes on with what DIR holds.
+    """
+    from wearfem.measured import improve_with_survey
+
+    improve_with_survey(survey, progress, run_folder, out, rounds, json_file, quiet)
 
 
 def main() -> None:

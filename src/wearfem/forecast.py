@@ -15,7 +15,7 @@ from wearfem.history import History
 from wearfem.liner.liner import wear_surface
 from wearfem.report_facts import corrected_thickness, lag_of, zones_of
 from wearfem.wear.smooth import HelmholtzFilter
-from wearfem.wear.trend import EXACT, FINE, Draws, Noise, ratio_courses, zone_courses
+from wearfem.wear.trend import COARSE, EXACT, FINE, Draws, Noise, ratio_courses, zone_courses
 
 DRAWS = 1000
 MOST = 300  # facets of a zone that may be the first to fail
@@ -318,20 +318,21 @@ class _Zone:
 
         zone, scale = rate @ weight, float((allowed / mean).min() * (mean @ weight))
         u = depth @ weight / scale
-        ahead = np.minimum(scale * FINE[:, None] * mean / (mean @ weight), allowed)
-        change = np.log(effects_ahead(case, history, facet, ahead, scale * FINE / (mean @ weight)))
-        together = np.log(np.exp(change) @ (weight * mean) / (weight @ mean))  # (g,)
-        apart = change - together[:, None]  # (g, k)
-        common = zone_courses(
-            u, np.log(zone) - np.interp(u, FINE, together), noise.zone / window, noise.freedom, random, draws
-        )
-        value = np.log(rate / zone[:, None]) - _at_each(u, FINE, apart)
+        at = np.concatenate([FINE, u])
+        ahead = np.minimum(scale * at[:, None] * mean / (mean @ weight), allowed)
+        change = np.log(effects_ahead(case, history, facet, ahead, scale * at / (mean @ weight)))
+        together = np.log(np.exp(change) @ (weight * mean) / (weight @ mean))  # (g + n,)
+        apart = change - together[:, None]  # (g + n, k)
+        grid, sampled = slice(len(FINE)), slice(len(FINE), None)
+        value = np.log(zone) - together[sampled]
+        common = zone_courses(u, value, noise.zone / window, noise.freedom, random, draws)
+        value = np.log(rate / zone[:, None]) - apart[sampled]
         place = _centres(history)[facet] / np.sqrt(history.area[facet].mean())
         ratio = ratio_courses(u, value, window, noise.ratio, place, random, draws)
         return cls(
             scale,
-            replace(common, mean=common.mean + together[:, None]),
-            replace(ratio, mean=ratio.mean + _at_each(ratio.at, FINE, apart)),
+            replace(common, mean=common.mean + together[grid, None]),
+            replace(ratio, mean=ratio.mean + apart[grid][:: len(FINE) // (len(COARSE) - 1)]),
             allowed,
             depth,
             rate,
@@ -392,11 +393,6 @@ def effects_ahead(
         with_effects = (smooth(rate) if smooth else rate)[0, facet]
         np.divide(with_effects, plain, out=row, where=(plain > 0.0) & (with_effects > 0.0))
     return rows
-
-
-def _at_each(u: np.ndarray, at: np.ndarray, value: np.ndarray) -> np.ndarray:
-    """(n, k) of values (g, k) over a grid (g,), at u (n,)"""
-    return np.array([np.interp(u, at, column) for column in value.T]).T
 
 
 def _integral(value: np.ndarray, at: np.ndarray) -> np.ndarray:

@@ -55,6 +55,7 @@ class Foretold:
     history: History
     next_stop: float | None  # [s] service time
     costs: Costs | None
+    at_stop: float | None  # [currency/s] with a change at the next stop
     tonnes: float  # [t/s] throughput of the run; not a number where it counts none
     frozen_run: float | None  # [s] end of life of a run with frozen geometry
 
@@ -141,14 +142,26 @@ def foretell_history(history: History, case: LifeCase | None, asked: Asked) -> F
     )
     passed = history.throughput[-1] - history.throughput[0]
     tonnes = passed / tonne / (history.service_time[-1] - history.service_time[0]) if passed > 0.0 else np.nan
+    life, prices = found.zone[0].draw, asked.prices
     return Foretold(
-        found,
-        history,
-        stop,
-        costs(found.zone[0].draw, asked.prices) if asked.prices else None,
-        float(tonnes),
-        read_history(asked.frozen).life[-1].time if asked.frozen else None,
+        forecast=found,
+        history=history,
+        next_stop=stop,
+        costs=costs(life, prices) if prices else None,
+        at_stop=float(costs(life, prices, [stop]).rate[0]) if prices and stop is not None else None,
+        tonnes=float(tonnes),
+        frozen_run=_end_of_frozen(asked.frozen) if asked.frozen else None,
     )
+
+
+def _end_of_frozen(run: Path) -> float:
+    """[s] end of life of a run with frozen geometry"""
+    case = case_of_run(read_manifest(run))
+    if case is not None and not case.frozen:
+        raise UserError(
+            f"{run} was given as a run with frozen geometry, but its geometry moves: give one of a case with frozen=True"
+        )
+    return read_history(run).life[-1].time
 
 
 def quantity(option: str, text: str, *kinds: str) -> float:
@@ -265,7 +278,7 @@ def forecast_lines(found: Foretold) -> Iterable[str]:
         yield from _table(found, [zone for zone in told.zone if zone.until == until], until)
     first = told.zone[0]
     yield ""
-    yield f"what the width of the first line comes from: {_shares(first.share)}"
+    yield f"what the width of the first line comes from: {shares(first.share)}"
     if told.left_out:
         yield f"not included, since not given: {in_words(list(told.left_out))}"
     yield "straight line: the depth so far over the time so far. frozen geometry: the rates of the new liner, kept"
@@ -307,7 +320,9 @@ def percent(part: float) -> str:
     return "below 1 %" if part < 0.005 else f"{part:.0%}".replace("%", " %")
 
 
-def _shares(share: Mapping[str, float]) -> str:
+def shares(share: Mapping[str, float]) -> str:
+    """What the width of an interval comes from, the largest first"""
+    share = dict(sorted(share.items(), key=lambda item: -item[1]))
     return ", ".join(
         f"{source} {part:.0%}".replace("%", " %") for source, part in share.items() if part > 0.0
     )
@@ -321,9 +336,8 @@ def _cost_lines(found: Foretold) -> Iterable[str]:
         f"costs: a planned change {prices.planned:,.0f} {prices.currency}, an unplanned one {prices.unplanned:,.0f} {prices.currency}"
     )
     yield f"  run until it fails                 {found.per_tonne(told.to_the_end):.4g} {unit}"
-    if found.next_stop is not None:
-        at = costs(found.forecast.zone[0].draw, prices, [found.next_stop])
-        yield f"  change at the next stop ({words(found.next_stop)})   {found.per_tonne(float(at.rate[0])):.4g} {unit}"
+    if found.next_stop is not None and found.at_stop is not None:
+        yield f"  change at the next stop ({words(found.next_stop)})   {found.per_tonne(found.at_stop):.4g} {unit}"
     if np.isfinite(told.best):
         best = float(told.rate.min())
         yield f"  change at {words(told.best)}, the cheapest   {found.per_tonne(best):.4g} {unit}"
@@ -369,6 +383,7 @@ def forecast_values(found: Foretold) -> dict[str, Any]:
             "unit": found.cost_unit,
             "prices": found.costs.prices,
             "run_until_it_fails": found.per_tonne(found.costs.to_the_end),
+            "change_at_next_stop": None if found.at_stop is None else found.per_tonne(found.at_stop),
             "change_at_d": found.costs.time / day,
             "cost": [found.per_tonne(rate) for rate in found.costs.rate.tolist()],
             "cheapest_change_d": found.costs.best / day,

@@ -1,4 +1,4 @@
-"""What the commands `calibrate`, `diagnose` and `forecast` do with a survey: read, compute, say it in words, write it down."""
+"""What the commands do with a survey (`calibrate`, `diagnose`, `forecast`, `improve`): read, compute, say it in words, write it down."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -61,10 +61,7 @@ def diagnose_survey(
     read = _read(survey, progress, exposure, run)
     files = [file for file in (json_file, out / "diagnosis.json" if out else None) if file]
     if out:
-        try:
-            out.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise UserError(f"{out} cannot be made ({error.strerror}); give --out another folder") from error
+        _folder(out)
         require_writable(out / PAGE)
     for file in files:
         require_writable(file)
@@ -159,6 +156,48 @@ def stop_of(text: str, survey: Survey) -> float | None:
             f"--next-stop was given {text}; {survey.progress_name} of {survey.source} has no unit, so expected is a bare number like "
             f"{1.2 * survey.progress.max():.4g}"
         ) from None
+
+
+def improve_with_survey(
+    survey: Path,
+    progress: str,
+    run: Path,
+    out: Path,
+    rounds: int,
+    json_file: Path | None,
+    quiet: bool,
+) -> None:
+    """Put into a case what a survey asks for, repeat its coupled run until both agree, and write the improved case.
+
+    The folder gets `diagnosis.json`, `improved.json`, `improved/case.py` and, in `rounds`, the case and the run of each round.
+    """
+    from wearfem.improve import improve  # here, since it loads the liner
+    from wearfem.improve_words import improvement_lines, improvement_values, story
+
+    if rounds < 1:
+        raise UserError(f"--rounds {rounds} was given; one coupled run is the least: give 1 or more")
+    _folder(out)
+    files = [file for file in (json_file, out / "improved.json") if file]
+    for file in (*files, out / "diagnosis.json"):
+        require_writable(file)
+    read = read_survey(survey, progress=progress)
+    if read.exposure_known:
+        raise UserError(f"{survey} has a column exposure, and --run {run} was given too; give one of them")
+    found = improve(read, run, out, rounds=rounds, quiet=quiet)
+    print("\n".join(["", *diagnosis_lines(found.diagnosis), "", *improvement_lines(found)]))
+    write_json(out / "diagnosis.json", diagnosis_values(found.diagnosis))
+    case = found.write(out / "improved", story(found, survey, run))
+    for file in files:
+        write_json(file, improvement_values(found, case))
+        print(f"wrote {file}")
+    print(f"wrote {case}: wearfem run {case.parent}")
+
+
+def _folder(out: Path) -> None:
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise UserError(f"{out} cannot be made ({error.strerror}); give --out another folder") from error
 
 
 def _read(survey: Path, progress: str, exposure: Path | None, run: Path | None) -> Survey:

@@ -2,13 +2,22 @@
 mechanisms, and laws that are not in the library. Nothing from wearfem; the numbers are a choice made once.
 """
 
-from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 from identification import plants
 from identification.plants import Plant, march
 
 END = 1000.0  # kt
+
+
+class TwoMechanisms(Plant):
+    """A plant whose exposure is told by mechanism."""
+
+    def write(self, folder: Path) -> tuple[Path, Path]:
+        survey, exposure = super().write(folder)
+        exposure.write_text(exposure.read_text().replace("point,exposure,", "point,exposure_sliding,", 1))
+        return survey, exposure
 
 
 def field(rng: np.random.Generator, where: np.ndarray, length: float) -> np.ndarray:
@@ -89,10 +98,8 @@ def plant(
             parameter |= {"loss_per_mm": loss}
         clean = march(total, tonnage, lambda d, t, j: 1.0 / np.maximum(1.0 - loss * d, 0.3))
     reading = np.round(clean + shared + rng.normal(0.0, noise, clean.shape), 3)
-    return replace(
-        plain, name=name, truth=truth, exposure=told, clean=clean, reading=reading, point_column=columns, occasion_column=log,
-        parameter=parameter,
-    )  # fmt: skip
+    kind = TwoMechanisms if name.startswith("two_mechanisms") else Plant
+    return kind(name, truth, where, tonnage, told, clean, reading, noise, columns, log, parameter)
 
 
 NAMES = (

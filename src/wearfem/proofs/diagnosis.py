@@ -1,10 +1,10 @@
 """Diagnosis: virtual plants with a hidden effect, what was named, and the error before and after.
 
-The plants are made by their own equations (`tests/identification/plants.py`), which import nothing of the diagnosis; the diagnosis
-is told nothing of them but the survey and the exposure.
+The plants are made by their own equations (`tests/identification/plants.py` and `other_plants.py`, written after the diagnosis was), which
+import nothing of the diagnosis; the diagnosis is told nothing of them but the survey and the exposure.
 """
 
-import importlib.util
+import importlib
 import sys
 import tempfile
 from collections.abc import Iterator, Sequence
@@ -16,12 +16,15 @@ import numpy as np
 
 from wearfem.errors import UserError
 from wearfem.proof import Claim
-from wearfem.survey.diagnose import Diagnosis, diagnose
+from wearfem.survey.diagnose import SHAPE, Diagnosis, diagnose
 from wearfem.survey.survey import read_survey
 
-PLANTS = Path(__file__).parents[3] / "tests" / "identification" / "plants.py"
+TESTS = Path(__file__).parents[3] / "tests"
 ISSUE = "what a diagnosis must do, issue 5 of the project"
-NOTHING = ("none", "zero_error")  # plants with no physical effect
+NOTHING = (
+    "none", "zero_error", "plain", "bent_scans", "wrong_map", "elsewhere", "two_mechanisms",
+)  # plants with no physical effect  # fmt: skip
+SHAPES = ("levelling", "hollow", "hollow_alike")  # plants whose shape wears, and their material is as it is
 SMALL = {"noise": 0.1, "points": 24, "occasions": 6}
 
 
@@ -40,21 +43,19 @@ class Trial:
     covered: tuple[bool, ...]  # whether 90 % intervals hold the truth
 
 
-def plants() -> ModuleType:
-    """The module of virtual plants, which is part of the tests."""
-    if not PLANTS.is_file():
-        raise UserError(f"{PLANTS} is missing; the proof of diagnosis needs the tests beside the package")
-    spec = importlib.util.spec_from_file_location("wearfem_virtual_plants", PLANTS)
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
-    return module
+def plants(name: str = "plants") -> ModuleType:
+    """A module of virtual plants, which are part of the tests."""
+    if not (TESTS / "identification" / f"{name}.py").is_file():
+        raise UserError(f"{TESTS} has no plants; the proof of diagnosis needs the tests beside the package")
+    if str(TESTS) not in sys.path:
+        sys.path.append(str(TESTS))
+    return importlib.import_module(f"identification.{name}")
 
 
 def trial(name: str, seed: int, **design: float) -> Trial:
     """Make a plant, write its survey, diagnose that."""
-    plant = plants().plant(name, seed, **design)
+    module = plants() if name in plants().NAMES else plants("other_plants")
+    plant = module.plant(name, seed, **design)
     with tempfile.TemporaryDirectory() as folder:
         survey, exposure = plant.write(Path(folder))
         found = diagnose(read_survey(survey, exposure=exposure), name_without=False)
@@ -71,6 +72,8 @@ def is_right(name: str, truth: tuple[str, ...], found: Diagnosis) -> bool:
     names = [effect.name.partition("(")[0] for effect in found.effects]
     if name in NOTHING:
         return not names
+    if name in SHAPES:  # no material named, unless the shape is said to do as well
+        return all(SHAPE in effect.indistinguishable_from for effect in found.effects)
     if name == "same_exposure":
         return found.verdict == "cannot_tell"
     if name == "outside_library":
@@ -128,6 +131,43 @@ def confusion(trials: Sequence[Trial]) -> list[str]:
         )
         lines.append(f"  {name:<18} {right:>3} of {len(own):>3}  {listed}")
     return lines
+
+
+@dataclass(frozen=True)
+class Degraded:
+    """What a set of plants comes to at one noise and one number of readings."""
+
+    noise: float  # [mm]
+    points: int
+    occasions: int
+    named: float  # [-] share whose effect was named, or in a set of two
+    refused: float  # [-] share called adequate, unexplained or cannot_tell without the right name
+    wrong: float  # [-] share in which another effect was called found
+
+
+def degradation(
+    designs: Sequence[tuple[float, int, int]], seeds: Sequence[int] = (21,), names: Sequence[str] = ()
+) -> Iterator[Degraded]:
+    """How naming degrades with noise [mm] and with fewer points and occasions, over the separable plants.
+
+    Parameters
+    ----------
+    designs
+        Noise, points and occasions of each.
+    seeds
+        Of the plants, one of each name for each seed.
+    names
+        Of the plants; all separable ones without it.
+    """
+    for noise, points, occasions in designs:
+        trials = [
+            trial(name, seed, noise=noise, points=points, occasions=occasions)
+            for name in names or plants().SEPARABLE
+            for seed in seeds
+        ]
+        named = float(np.mean([t.right for t in trials]))
+        wrong = float(np.mean([not t.right and t.verdict == "effect_found" for t in trials]))
+        yield Degraded(noise, points, occasions, named, 1.0 - named - wrong, wrong)
 
 
 def claims() -> Iterator[Claim]:

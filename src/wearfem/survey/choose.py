@@ -22,6 +22,7 @@ MOST_EFFECTS = 3
 FINER = (9, 13)  # knots of a free curve that has been chosen
 QUIET = 0.5  # p of all tests of noise together, above which no further effect is looked for
 EVEN_SCATTER = 0.10  # [-] places that differ by more are not explained by chance
+EVEN_BEND = 0.03  # [-] rates that change with depth by more, each place in its own way, are no chance either
 EVEN_BOOK = 0.05  # [-] intervals that differ by more are no error of the tonnage book
 EVEN_SCALE = 0.03  # [-] nor campaigns one of the gauge
 MIMIC_KNOTS = 8
@@ -132,8 +133,13 @@ def choose(data: Readings) -> Choice:
 
 def uneven(spread: Spread) -> bool:
     """Whether places, campaigns or intervals differ by more than careful work lets them"""
-    places = max(spread.scatter, spread.smooth, spread.bend)
-    return places > EVEN_SCATTER or spread.book > EVEN_BOOK or spread.scale > EVEN_SCALE
+    places = max(spread.scatter, spread.smooth)
+    return (
+        places > EVEN_SCATTER
+        or spread.bend > EVEN_BEND
+        or spread.book > EVEN_BOOK
+        or spread.scale > EVEN_SCALE
+    )
 
 
 def _evidence(fitted: Fit) -> float:

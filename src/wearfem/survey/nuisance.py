@@ -20,7 +20,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve, solve_triangular
-from scipy.linalg.lapack import dpotri
+from scipy.linalg.lapack import dtrtri
 from scipy.optimize import minimize
 
 from wearfem.survey.history import History
@@ -170,12 +170,12 @@ class Covariance:
         return float(white @ white - inner @ inner)
 
     def root(self) -> np.ndarray:
-        """(n, n) matrix R with R' R = C^-1, symmetric but for the weights"""
-        # (1 + S S')^-1/2 = 1 - S V f V' S' with S' S = V diag(e) V', f = (1 - (1 + e)^-1/2) / e = 1 / (1 + e + (1 + e)^1/2)
-        e, v = np.linalg.eigh(self.scaled.T @ self.scaled)
-        e = 1.0 + np.maximum(e, 0.0)
-        turned = self.scaled @ (v / np.sqrt(e + np.sqrt(e)))
-        inner = np.eye(len(self.weight)) - turned @ turned.T
+        """(n, n) matrix R with R' R = C^-1"""
+        # with L L' = 1 + S' S and K = (1 + L')^-1 L^-1:  K + K' - K' S' S K = (L L')^-1, so (1 - S K S')' (1 - S K S') = (1 + S S')^-1
+        half = solve_triangular(self.factor, self.scaled.T, lower=True, check_finite=False)
+        one = np.eye(len(self.factor))
+        half = solve_triangular(one + self.factor.T, half, lower=False, check_finite=False)
+        inner = np.eye(len(self.weight)) - self.scaled @ half
         return inner / (self.gauge * np.sqrt(self.weight))
 
     @property
@@ -241,15 +241,15 @@ def fit_spread(
         spread = Spread(*size)
         g2 = spread.gauge**2
         t = found.deviation(spread) / spread.gauge
-        inverse, determinant = _inverse(inner * t * t[:, None])
-        weighed = t * (inverse @ (t * side))
+        turned, determinant = _inverse_root(inner * t * t[:, None])
+        weighed = t * (turned.T @ (turned @ (t * side)))
         square = (total - side @ weighed) / g2
         value = 0.5 * (square + determinant + 2.0 * len(r) * log[0])
         taken = (side - inner @ weighed) / g2  # z' C^-1 r
-        at = inner * t
-        own = (np.diag(inner) - np.einsum("ij,ij->i", at @ inverse, at)) / g2  # diagonal of z' C^-1 z
+        diagonal = np.einsum("ij,ij->j", turned, turned)
+        own = (1.0 - diagonal) / (t * t * g2)  # diagonal of z' C^-1 z
         each = 0.5 * (own - taken**2)
-        trace = (len(r) - len(t) + np.trace(inverse)) / g2
+        trace = (len(r) - len(t) + diagonal.sum()) / g2
         by_gauge = 0.5 * (trace - (total - 2.0 * weighed @ side + weighed @ inner @ weighed) / g2**2)
         slope = (
             2.0
@@ -272,13 +272,11 @@ def fit_spread(
     return Spread(*(float(v) for v in value))
 
 
-def _inverse(square: np.ndarray) -> tuple[np.ndarray, float]:
-    """The inverse of 1 + a matrix (q, q), and the logarithm of the determinant"""
+def _inverse_root(square: np.ndarray) -> tuple[np.ndarray, float]:
+    """The inverse (q, q) of the Cholesky factor of 1 + a matrix, and the logarithm of the determinant"""
     square[np.diag_indices_from(square)] += 1.0
     factor = np.linalg.cholesky(square)
-    inverse, _ = dpotri(factor, lower=1)
-    inverse = np.tril(inverse)
-    return inverse + np.tril(inverse, -1).T, 2.0 * float(np.log(np.diag(factor)).sum())
+    return dtrtri(factor, lower=1)[0], 2.0 * float(np.log(np.diag(factor)).sum())
 
 
 def _values(spread: Spread) -> Mapping[str, float]:

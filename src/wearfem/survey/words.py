@@ -69,6 +69,15 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
                 ("", f"without the held-out readings the choice would have been: {in_words(list(without))}")
             )
     rows.append(("verdict", VERDICT[found.verdict]))
+    course = found.survey.course
+    if found.effects and course is not None and not course.follows_shape:
+        rows.append(
+            (
+                "",
+                "the run kept the geometry as new: what is found may be the change of shape; run the case with its geometry moving, and "
+                "diagnose along that run",
+            )
+        )
     if found.effects and found.effects[0].suggested_measurement:
         rows.append(("measure next", found.effects[0].suggested_measurement))
     rows += [("note", note) for note in found.notes]
@@ -151,11 +160,14 @@ def says(effect: Effect) -> str:
 
 def effect_words(effect: Effect, survey: Survey) -> str:
     """An effect with its parameters and their intervals."""
-    shown = [_parameter(n, p, survey) for n, p in effect.parameters.items() if p.interval or n in PLACE]
+    shown = [
+        parameter_in_words(n, p, survey) for n, p in effect.parameters.items() if p.interval or n in PLACE
+    ]
     return f"{says(effect)} [{effect.name}]: {', '.join(shown)}"
 
 
-def _parameter(name: str, parameter: Parameter, survey: Survey) -> str:
+def parameter_in_words(name: str, parameter: Parameter, survey: Survey) -> str:
+    """A parameter with its interval and its unit."""
     unit = parameter.unit.replace("progress", survey.progress_unit or survey.progress_name)
     factor, unit = (1e3, "mm") if unit == "m" and name not in PLACE else (1.0, unit)
     factor, unit = (1e-3, "1/mm") if unit == "1/m" and name == "loss" else (factor, unit)

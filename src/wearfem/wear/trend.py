@@ -18,16 +18,11 @@ from itertools import product
 import numpy as np
 from scipy.linalg import eigh
 
-from wearfem.wear.sampling import Sample, standard_error, statistical_inefficiency
+from wearfem.wear.sampling import Sample, statistical_inefficiency
 
 STAYS = 0.5  # probability, before anything is sampled, that a rate stays as it is
-SLOPES = (
-    0.1,
-    0.3,
-    1.0,
-    3.0,
-)  # [-] of ln r over a life where it does not: from hardly to a rate 20 times as high
-LENGTHS = (0.3, 1.0, 3.0)  # [lives] in which a slope is forgotten: from a part of a life to hardly ever
+SLOPES = (0.1, 0.3, 1.0)  # [-] of ln r over a life where it does not: hardly any, to a factor e
+LENGTHS = (1.0, 3.0)  # [lives] in which a slope is forgotten: geometry changes over a life
 FREE = 1.0  # [-] deviation of the level from its first sample, hundreds of times what the noise of one may be
 DIFFER = (0.0, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0)  # [-] deviation of ln q from facet to facet
 SPREADS = (0.0, 2.0, 8.0, 32.0)  # [facets] over which ratios are alike; 0: each facet by itself
@@ -240,18 +235,24 @@ class Noise:
 
         **Source** J. Schafer and K. Strimmer, Stat. Appl. Genet. Mol. Biol. 4 (2005) 32, for the shrinkage.
         """
+        together = [sample.rate[:, facet] @ weight / (sample.mean[facet] @ weight) for sample in samples]
+        apart = [
+            sample.rate[:, facet] / np.where(sample.mean[facet] > 0.0, sample.mean[facet], 1.0) - one[:, None]
+            for sample, one in zip(samples, together, strict=True)
+        ]
+        # of one short series the memory is sometimes told many times too long: the middle one of all samples stands for all
+        memory, memory_apart = (
+            float(np.median([statistical_inefficiency(one) for one in series]))
+            for series in (together, apart)
+        )
         zone, ratio, freedom = 0.0, np.zeros((len(facet), len(facet))), 0.0
         whole = sum(sample.window for sample in samples)
-        for sample in samples:
-            rate, mean = sample.rate[:, facet], sample.mean[facet]
-            together = rate @ weight / (mean @ weight)
-            apart = rate / np.where(mean > 0.0, mean, 1.0) - together[:, None]
-            blocks, memory = len(rate), statistical_inefficiency(apart)
-            share = sample.window**2 / whole
-            zone += share * float(np.square(standard_error(together[:, None]))[0])
-            ratio += share * memory / (blocks - memory) * (apart.T @ apart) / blocks
-            freedom += blocks / statistical_inefficiency(together) - 1.0
-        return cls(zone, _shrunk(ratio, freedom), freedom)
+        for sample, one, others in zip(samples, together, apart, strict=True):
+            blocks, share = len(one), sample.window**2 / whole
+            zone += share * memory / (blocks - memory) * float(one.var())
+            ratio += share * memory_apart / (blocks - memory_apart) * (others.T @ others) / blocks
+            freedom += blocks / memory - 1.0
+        return cls(zone, _shrunk(ratio, freedom), max(freedom, 1.0))
 
 
 def _shrunk(covariance: np.ndarray, freedom: float) -> np.ndarray:
