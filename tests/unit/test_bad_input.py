@@ -96,6 +96,24 @@ def test_material_that_does_not_exist():
         start(one(material=3))
 
 
+@pytest.mark.parametrize(
+    ("radius", "time_step", "match"),
+    [
+        (0.03, 1e-5, "periodic width is 0.2 m; it must be at least 0.225 m"),
+        (0.005, 1e-3, "over the stable limit"),
+        (1e-4, 1e-6, "ratio above 255"),
+    ],
+)
+def test_particles_to_come_are_seen_before_they_come(radius, time_step, match):
+    """An empty flow with an inlet: the largest particle may come late."""
+    largest = 300.0 * radius if radius < 1e-3 else radius
+    inlet = Inlet((-0.09,) * 3, (0.09,) * 3, 1.0, uniform_sizes(radius, largest))
+    periodic = Domain((-0.1,) * 3, (0.1,) * 3, (True, False, False))
+    nothing = spheres(np.zeros((0, 3)), 0.0, 2500.0)
+    with refused(match):
+        advance(Flow(nothing), Model((ORE,), time_step, periodic, inlets=(inlet,)), 1e-4)
+
+
 def test_too_narrow_to_be_periodic():
     flow = Flow(spheres((0.0, 0.0, 0.0), 0.03, 2500.0))
     with refused("at least"):

@@ -4,7 +4,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from wearfem.dem.flow import Flow, Model
-from wearfem.dem.particles import Particles
+from wearfem.dem.particles import Particles, spheres
 from wearfem.errors import UserError
 
 
@@ -16,9 +16,18 @@ def check_start(flow: Flow, model: Model) -> None:
     UserError
         with the particle, the place and what to do.
     """
-    p, domain = flow.particles, model.domain
-    if not p.count:
-        return
+    particles = flow.particles
+    if particles.count:
+        _check_numbers(particles, model)
+    _check_sizes(particles, model)
+    if particles.count:
+        _check_places(particles, model)
+        if flow.pairs is None:
+            _check_overlap(particles, model.period)
+
+
+def _check_numbers(p: Particles, model: Model) -> None:
+    """Refuse what is no number, no size or no material."""
     for what, array in (
         ("position", p.position),
         ("velocity", p.velocity),
@@ -41,16 +50,11 @@ def check_start(flow: Flow, model: Model) -> None:
         raise UserError(
             f"A particle has material {p.material.max()}, but materials are numbered 0 to {len(model.materials) - 1}."
         )
-    if p.radius.max() > 255.0 * p.radius.min():
-        raise UserError(
-            f"Radii run from {p.radius.min():g} to {p.radius.max():g} m, a ratio above 255; drop the smallest or the largest."
-        )
-    limit = model.rayleigh_time(p)
-    if model.time_step > limit:
-        raise UserError(
-            f"The time step {model.time_step:g} s is over the stable limit, the Rayleigh time {limit:.4g} s of the smallest "
-            f"particle; use {0.2 * limit:.2g} s (20 %) or lower the shear modulus."
-        )
+
+
+def _check_places(p: Particles, model: Model) -> None:
+    """Refuse particles outside a domain that keeps them."""
+    domain = model.domain
     fixed = ~np.asarray(domain.periodic)
     out = (((p.position < domain.low) | (p.position > domain.high)) & fixed).any(axis=1)
     if out.any() and not domain.outlet:
@@ -59,14 +63,37 @@ def check_start(flow: Flow, model: Model) -> None:
             f"Particle {p.ident[i]} starts outside the domain, at {p.position[i].tolist()} m; it runs from {domain.low} to "
             f"{domain.high} m."
         )
-    narrow = (model.period > 0) & (model.period < 3.0 * 2.5 * p.radius.max())
+
+
+def _check_sizes(particles: Particles, model: Model) -> None:
+    """Refuse sizes that time step, neighbour search or periodic width do not suit: of particles that are there, and of those to come."""
+    inlets = [inlet for inlet in model.inlets if inlet.mass_rate > 0.0]
+    density = np.array([material.density for material in model.materials])
+    coming = [
+        spheres(np.zeros((2, 3)), np.array([i.sizes.smallest, i.sizes.largest]), density[i.material], material=i.material)
+        for i in inlets
+        if 0 <= i.material < len(density)
+    ]  # fmt: skip
+    known = [group for group in (particles, *coming) if group.count]
+    if not known:
+        return
+    smallest, largest = min(g.radius.min() for g in known), max(g.radius.max() for g in known)
+    if largest > 255.0 * smallest:
+        raise UserError(
+            f"Radii run from {smallest:g} to {largest:g} m, a ratio above 255; drop the smallest or the largest."
+        )
+    limit = min(model.rayleigh_time(group) for group in known)
+    if model.time_step > limit:
+        raise UserError(
+            f"The time step {model.time_step:g} s is over the stable limit, the Rayleigh time {limit:.4g} s of the smallest "
+            f"particle; use {0.2 * limit:.2g} s (20 %) or lower the shear modulus."
+        )
+    narrow = (model.period > 0) & (model.period < 3.0 * 2.5 * largest)
     if narrow.any():
         raise UserError(
-            f"The periodic width is {model.period[narrow].min():g} m; it must be at least {7.5 * p.radius.max():.4g} m, "
+            f"The periodic width is {model.period[narrow].min():g} m; it must be at least {7.5 * largest:.4g} m, "
             "three particle diameters and a margin."
         )
-    if flow.pairs is None:
-        _check_overlap(p, model.period)
 
 
 def _check_overlap(p: Particles, period: np.ndarray) -> None:
