@@ -14,7 +14,7 @@ from wearfem.cli import wearfem
 from wearfem.errors import UserError
 from wearfem.exposure import exposed_by_run
 from wearfem.improve import improve
-from wearfem.proofs.closed_loop import FACTOR, HIDDEN, PLATE, SMALL, closed, plant
+from wearfem.proofs.closed_loop import FACTOR, HIDDEN, PLATE, SMALL, closed, plant, shape_claims
 from wearfem.survey.candidates import candidates
 from wearfem.survey.identify import readings
 from wearfem.survey.survey import read_survey
@@ -149,3 +149,8 @@ def test_the_shipped_survey_is_that_of_the_plant(tmp_path):
         made.survey.point_names,
         made.survey.progress.tolist(),
     )
+
+
+@pytest.mark.slow
+def test_a_shape_that_changes_is_no_material(tmp_path):
+    assert [claim.claim for claim in shape_claims(tmp_path) if not claim.holds] == []
