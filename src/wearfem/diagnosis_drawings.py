@@ -314,7 +314,7 @@ def left_over(found: Diagnosis) -> list[tuple[str, np.ndarray]]:
     data = plain.readings
     panels = [("coefficient alone", (data.worn - data.past.of_rows(plain.depth)) / factor)]
     after = (data.worn - best.predict(best.readings)) / factor
-    title = f"with {best.name}, nuisances off" if best.suspects else "nuisances off"
+    title = "with what was found, nuisances off" if best.suspects else "nuisances off"
     return [*panels, (title, after)]
 
 

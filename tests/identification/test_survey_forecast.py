@@ -16,13 +16,13 @@ from wearfem.survey.forecast import (
     ALONE,
     FULL,
     LINE,
-    as_seldom_seen,
     forecast,
     in_service,
     posterior,
     reached,
     wear_ahead,
 )
+from wearfem.survey.future import as_seldom_seen
 from wearfem.survey.identify import COEFFICIENT_PRIOR, fit, model_at, readings
 from wearfem.survey.survey import read_survey
 

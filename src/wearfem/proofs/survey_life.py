@@ -30,7 +30,7 @@ CARELESS = {
     "book": 0.02,
     "campaign_zero": 0.1,
 }  # a plant as it is: places, tonnage book and campaigns
-SHOWN = ("none", "hardness_gradient", "running_in", "ore_hardness", "pressure_exponent", "same_exposure")
+SHOWN = ("none", "hardness_gradient", "ore_hardness", "pressure_exponent", "same_exposure")
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,7 @@ def error(trials: Sequence[Trial], place: int) -> float:
 
 
 def claims() -> Iterator[Claim]:
-    """Six plants, careful and careless; and a back-test of two of them."""
+    """Five plants, careful and careless; and a back-test of two of them."""
     trials = []
     for name in SHOWN:
         for seed, design in ((1, CAREFUL), (2, CARELESS)):

@@ -6,12 +6,10 @@ plate l at progress t, as a gauge without errors would read it, is
     D(l, t) = d(l, t) (1 + u[l]) + h[l] + sum over intervals of b[interval] (growth of d in it) + ...:
 
 the model, the plate's own rate, its new thickness, the tonnage book, and all else in `nuisance.py` but what campaigns read wrong, which
-is no wear. The future is like the past: intervals are as long as the median one, each with its own error of the book. What is the same
-at all places (ore, weather, days by unit of service) comes again as it was from some occasion on, drawn by chance, since warm months
-follow one another; what belongs to a place stays as it was last.
+is no wear. The future is like the past (`future.py`).
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,6 +17,7 @@ from scipy.linalg import cho_solve, solve_triangular
 
 from wearfem.errors import UserError
 from wearfem.survey.choose import ALIKE, Choice
+from wearfem.survey.future import carried_on, dated, one_future, typical_interval
 from wearfem.survey.history import History, depths
 from wearfem.survey.identify import Fit, Readings, model_at
 from wearfem.survey.nuisance import Disturbance, covariance, disturbance
@@ -243,13 +242,6 @@ def allowance(data: Readings, limit: float) -> np.ndarray:
     return new - limit
 
 
-def typical_interval(survey: Survey) -> float:
-    """Progress between occasions, the median"""
-    at = [float(np.median(survey.progress[survey.occasion == j])) for j in np.unique(survey.occasion)]
-    gaps = np.diff(np.unique(np.append(0.0, at)))
-    return float(np.median(gaps))
-
-
 def wear_ahead(
     models: Sequence[tuple[Fit, float]], progress: np.ndarray, draws: int, random: np.random.Generator
 ) -> np.ndarray:
@@ -287,7 +279,7 @@ def _draws(fitted: Fit, progress: np.ndarray, count: int, random: np.random.Gene
         model = model_at(data, fitted.suspects, coordinate)
         wanted = {name for effect in model.effects for name in effect.needs} | {"exposure"}
         wanted |= {"days"} if model.additions else set()
-        grown = depths(_drawn(future, served, weather, wanted, interval, random), model)
+        grown = depths(one_future(future, served, weather, wanted, interval, random), model)
         nuisance = gain @ (data.worn - past.of_rows(grown[:, :served])) + root @ random.standard_normal(
             len(size)
         )
@@ -351,101 +343,6 @@ def posterior(fitted: Fit, count: int, random: np.random.Generator) -> np.ndarra
         if step >= 0 and step % THINNED == THINNED - 1:
             drawn[step // THINNED] = here
     return drawn
-
-
-def carried_on(data: Readings, progress: np.ndarray, interval: np.ndarray) -> History:
-    """The history with intervals that end at `progress` (f,) after it, in the state that each place had last, or along a run's course.
-
-    The first goes from a plate's own last reading to the last of the survey; the others belong to `interval` (f - 1,) to come.
-    """
-    past, survey = data.past, data.survey
-    lives, served = past.end.shape
-    used = past.end > past.begin
-    last = np.where(used.any(axis=1), served - 1 - np.argmax(used[:, ::-1], axis=1), 0)
-    again = np.tile(last[:, None], (1, len(progress)))
-    rows = np.arange(lives)[:, None]
-
-    def more(value: np.ndarray) -> np.ndarray:
-        return np.concatenate([value, value[rows, again]], axis=1)
-
-    end = np.concatenate([past.end, np.tile(progress, (lives, 1))], axis=1)
-    begin = np.concatenate([past.begin, past.end[:, -1:], end[:, served:-1]], axis=1)
-    exposure, feature = more(past.exposure), {name: more(value) for name, value in past.feature.items()}
-    if (course := survey.course) is not None:
-        first = (begin - past.start[:, None])[:, served:]
-        then = np.maximum((end - past.start[:, None])[:, served:], first + 1e-6 * end.max())
-        exposure[:, served:] = (course.depth_at(then) - course.depth_at(first)) / (then - first)
-        for name in course.state:
-            feature[name][:, served:] = course.state_at(name, 0.5 * (first + then))
-    calendar = None
-    if past.calendar is not None:
-        calendar = more(past.calendar / np.where(used, past.end - past.begin, 1.0)) * (end - begin)
-        calendar[:, :served] = past.calendar
-    label = np.append(past.occasion[used].max(initial=0), len(survey.occasion_names) + interval)
-    return replace(
-        past, begin=begin, end=end, exposure=exposure, calendar=calendar, feature=feature,
-        occasion=np.concatenate([past.occasion, np.tile(label, (lives, 1))], axis=1),
-        others=np.array([more(other) for other in past.others]).reshape(len(past.others), *end.shape),
-    )  # fmt: skip
-
-
-def dated(data: Readings) -> dict[str, np.ndarray]:
-    """What is the same at all places, occasion by occasion (o,): features by name, `exposure`, and `days` for [s] by unit of service."""
-    past = data.past
-    used = past.end > past.begin
-    occasions = [used & (past.occasion == j) for j in np.unique(past.occasion[used])]
-    told = {**past.feature}
-    if data.survey.course is None:
-        told["exposure"] = past.exposure
-    if past.calendar is not None:
-        told["days"] = past.calendar / np.where(used, past.end - past.begin, 1.0)
-    found = {}
-    for name, value in told.items():
-        least = 1e-9 * float(np.abs(value).max(initial=0.0))
-        if value.ndim == 2 and all(np.ptp(value[here]) <= least for here in occasions):
-            found[name] = np.array([value[here].mean() for here in occasions])
-    return found
-
-
-def _drawn(
-    future: History, served: int, weather: Mapping[str, np.ndarray], wanted: set[str], interval: np.ndarray,
-    random: np.random.Generator,
-) -> History:  # fmt: skip
-    """The history with what is dated and wanted drawn anew for the intervals to come: from some occasion on, in their order."""
-    names = sorted(wanted & weather.keys())
-    if not names:
-        return future
-    start = random.integers(len(weather[names[0]]))
-    feature, exposure, calendar = dict(future.feature), future.exposure, future.calendar
-    for name in names:
-        values = as_seldom_seen(weather[name], random)
-        comes = values[(start + interval) % len(values)]
-        if name == "exposure":
-            exposure = exposure.copy()
-            exposure[:, served + 1 :] = comes
-        elif name == "days" and calendar is not None:
-            calendar = calendar.copy()
-            calendar[:, served + 1 :] = comes * (future.end - future.begin)[:, served + 1 :]
-        else:
-            feature[name] = feature[name].copy()
-            feature[name][:, served + 1 :] = comes
-    return replace(future, feature=feature, exposure=exposure, calendar=calendar)
-
-
-def as_seldom_seen(value: np.ndarray, random: np.random.Generator) -> np.ndarray:
-    """Values of n occasions (n,) as they may come again, as uncertain as so few leave their mean and their spread.
-
-    Deviations from the mean grow by sqrt(n / (n - 1)), and the mean has an error of the spread over sqrt(n), one for all that is to come;
-    of logarithms where all are positive.
-    """
-    n = len(value)
-    if n < 2:
-        return value
-    positive = bool((value > 0.0).all())
-    known = np.log(value) if positive else value
-    shift = known.std(ddof=1) / np.sqrt(n) * random.standard_normal()
-    shown = known.mean() + np.sqrt(n / (n - 1)) * (known - known.mean()) + shift
-    return np.exp(shown) if positive else shown
 
 
 def lines_ahead(

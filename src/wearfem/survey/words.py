@@ -280,7 +280,9 @@ def forecast_lines(found: Forecast) -> list[str]:
         lines += _wrapped(
             [("next stop", f"at {found.next_stop:.4g} {unit} is reached by {in_words(told)} ({last.name})")]
         )
-    told_as = f"median and interval of {SHARE:.0%}; beyond {found.progress[-1]:.4g} {unit} nothing is told"
+    told_as = (
+        f"median and interval of {SHARE:.0%}; nothing is told beyond {found.progress[-1]:.4g} {unit} (>)"
+    )
     return [*lines, *_wrapped([("note", told_as)])]
 
 
@@ -319,7 +321,7 @@ def end_words(end: End, found: Forecast) -> str:
     """An end of life with its interval in a few words, in the unit of service."""
     if np.isnan(end.median):
         return "no reading, no line"
-    far = f"beyond {found.progress[-1]:.4g}"
+    far = f">{found.progress[-1]:.4g}"
     low, high = (f"{value:.4g}" if np.isfinite(value) else far for value in end.interval)
     if end.interval[1] <= found.now:
         return "limit passed"
