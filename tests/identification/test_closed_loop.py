@@ -81,9 +81,11 @@ def test_held_out_readings_are_fitted_in_no_round(improved, tmp_path):
     assert touched == held["readings"]
     (tmp_path / "survey.csv").write_text("\n".join(changed) + "\n")
     found = told_beforehand(made)  # the effect itself is named by all readings
-    both = (("one", made.survey), ("other", read_survey(tmp_path / "survey.csv")))
+    both = ((folder / "out", made.survey), (tmp_path, read_survey(tmp_path / "survey.csv")))
     options = {"found": found, "rounds": 1, "diagnose_again": False, "quiet": True}
-    rounds = [improve(one, made.run, tmp_path / name, **options).rounds for name, one in both]
+    rounds = [
+        improve(one, made.run, out, **options).rounds for out, one in both
+    ]  # the first has been run before
     for one, two in zip(*rounds, strict=True):
         assert one.told.place.tobytes() == two.told.place.tobytes()
 
