@@ -14,7 +14,7 @@ from wearfem.cli import wearfem
 from wearfem.errors import UserError
 from wearfem.exposure import exposed_by_run
 from wearfem.improve import improve
-from wearfem.proofs.closed_loop import FACTOR, HIDDEN, PLATE, SMALL, closed, plant
+from wearfem.proofs.closed_loop import FACTOR, HIDDEN, PLATE, SMALL, closed, plant, shape_claims
 from wearfem.survey.candidates import candidates
 from wearfem.survey.identify import readings
 from wearfem.survey.survey import read_survey
@@ -81,9 +81,11 @@ def test_held_out_readings_are_fitted_in_no_round(improved, tmp_path):
     assert touched == held["readings"]
     (tmp_path / "survey.csv").write_text("\n".join(changed) + "\n")
     found = told_beforehand(made)  # the effect itself is named by all readings
-    both = (("one", made.survey), ("other", read_survey(tmp_path / "survey.csv")))
+    both = ((folder / "out", made.survey), (tmp_path, read_survey(tmp_path / "survey.csv")))
     options = {"found": found, "rounds": 1, "diagnose_again": False, "quiet": True}
-    rounds = [improve(one, made.run, tmp_path / name, **options).rounds for name, one in both]
+    rounds = [
+        improve(one, made.run, out, **options).rounds for out, one in both
+    ]  # the first has been run before
     for one, two in zip(*rounds, strict=True):
         assert one.told.place.tobytes() == two.told.place.tobytes()
 
@@ -149,3 +151,8 @@ def test_the_shipped_survey_is_that_of_the_plant(tmp_path):
         made.survey.point_names,
         made.survey.progress.tolist(),
     )
+
+
+@pytest.mark.slow
+def test_a_shape_that_changes_is_no_material(tmp_path):
+    assert [claim.claim for claim in shape_claims(tmp_path) if not claim.holds] == []
