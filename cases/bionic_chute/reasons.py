@@ -47,6 +47,7 @@ VARIANTS: dict[str, tuple[dict, Callable[[Model], Model]]] = {
     "as in trends.py": ({}, as_it_falls),
     "mesh twice as fine": ({"sectors": 16, "rings": 6, "rings_around": 2}, as_it_falls),
     "ore that loses no speed where it lands": ({}, without_its_fall),
+    "the same, convexes at corners of rectangles": ({"staggered": False}, without_its_fall),
     "slice twice as wide": ({"spacings": 2}, as_it_falls),
     "ore ten times as stiff, 0.65 GPa": ({"shear_modulus": 0.65 * GPa}, as_it_falls),
     "half the time step": ({"time_step_share": 0.125}, as_it_falls),
@@ -97,7 +98,7 @@ def main() -> None:
             value, half = saved(smooth["wear"], embossed["wear"])
             force, slip = (embossed[what][0] / smooth[what][0] for what in ("force", "slip"))
             print(
-                f"{name:42s} smooth {1e10 * np.mean(smooth['wear']):.3f}, convexes {1e10 * np.mean(embossed['wear']):.3f} e-10 m3/s; "
+                f"{name:44s} smooth {1e10 * np.mean(smooth['wear']):.3f}, convexes {1e10 * np.mean(embossed['wear']):.3f} e-10 m3/s; "
                 f"saved {100 * value:.1f} +- {100 * half:.1f} %: force x {force:.3f}, slip speed x {slip:.3f}",
                 flush=True,
             )
