@@ -4,7 +4,15 @@ import numpy as np
 import pytest
 
 from wearfem.errors import UserError
-from wearfem.wear.sampling import Sample, standard_error, statistical_inefficiency, steady_from
+from wearfem.wear.sampling import (
+    Sample,
+    inefficiency,
+    lag_products,
+    noise_density,
+    standard_error,
+    statistical_inefficiency,
+    steady_from,
+)
 
 
 def remembering(blocks, columns, memory, seed):
@@ -81,3 +89,21 @@ def test_bad_samples(rate):
         Sample(0.0, rate, 0.25)
     with pytest.raises(UserError, match="above 0"):
         Sample(0.0, np.ones((8, 2)), 0.0)
+
+
+def test_short_windows_tell_together_what_each_hides():
+    """400 windows of 12 blocks, four correlation times each, beside the closed form; one window alone says far less."""
+    windows = [lag_products(remembering(12, 1, 0.5, seed)) for seed in range(400)]
+    true = 12.0 * true_error(12, 0.5) ** 2
+    # sums end at lag 5, which leaves out 1 %; the scatter of 4800 values is 5 %; three rounds leave some of what the mean takes away
+    assert inefficiency(windows) == pytest.approx(true, rel=0.15)
+    alone = np.mean([inefficiency([window]) for window in windows])
+    assert abs(alone - true) > abs(inefficiency(windows) - true)
+
+
+def test_noise_density_of_many_windows():
+    """Variance of a mean times its length, 3 blocks for a memory of 0.5"""
+    rows = [remembering(20, 1, 0.5, seed) for seed in range(300)]
+    squares = sum(float(np.square(row - row.mean()).sum()) for row in rows)
+    density = noise_density([lag_products(row) for row in rows], squares, 0.25)
+    assert density == pytest.approx(0.75, rel=0.15)  # 6000 values: 5 %

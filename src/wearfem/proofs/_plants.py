@@ -184,6 +184,30 @@ def layered(where: float = 0.43, times: float = 3.0) -> Plant:
     return Plant("layered", lambda depth: RATE * np.where(depth < border, 1.0, times), life)
 
 
+def oscillating(part: float = 0.5, bands: int = 2) -> Plant:
+    """Bands of harder and softer metal, r = r0 / (1 + p sin(2 pi n d/D)), n whole: life = D / r0"""
+
+    def law(depth: np.ndarray) -> np.ndarray:
+        return RATE / (1.0 + part * np.sin(2.0 * np.pi * bands * depth / ALLOWED))
+
+    return Plant("oscillating hardness", law, ALLOWED / RATE)
+
+
+def beyond_threshold(start: float = 0.5, part: float = 3.0) -> Plant:
+    """r0 down to the depth c D, r0 (1 + p (d/D - c)) beyond: life = D / r0 (c + ln(1 + p (1 - c)) / p)"""
+    life = ALLOWED / RATE * (start + np.log1p(part * (1.0 - start)) / part)
+
+    def law(depth: np.ndarray) -> np.ndarray:
+        return RATE * (1.0 + part * np.maximum(depth / ALLOWED - start, 0.0))
+
+    return Plant("accelerating beyond a threshold", law, life)
+
+
+def alike(facets: int = 64) -> Plant:
+    """A plate that wears evenly, each facet with noise of its own"""
+    return Plant("equal facets", lambda depth: np.full(facets, RATE), ALLOWED / RATE, facets)
+
+
 def field_with_feedback(facets: int = 200) -> Plant:
     """A pocket on a chute of 200 facets: what has worn around speeds the flow up there, what stands out wears faster."""
     x = np.linspace(0.0, 2.0, facets)

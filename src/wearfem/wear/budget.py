@@ -1,6 +1,7 @@
 """How a tolerance is divided between jumps that are too long and samples that are too short, so that a life costs least."""
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from scipy.special import ndtr
@@ -68,8 +69,7 @@ def cheapest_plan(
     faded = np.linspace(0.0, 10.0, 61)
     warm_up = block + memory * faded
 
-    shares = np.linspace(0.0, LARGEST_SHARE, 51)
-    deviations = deviation_beside(shares, confidence)
+    shares, deviations = _deviations(confidence)
     samples = np.maximum(noise_density / (deviations[0] * tolerance) ** 2, jumps * LEAST * block)
     bias = bend / (12.0 * jumps**2) + (5.0 * bend / 12.0 + 0.5 * change**2) * change / jumps**3
     share = (bias + change * memory * np.exp(-faded) / samples) / tolerance
@@ -83,6 +83,13 @@ def cheapest_plan(
         variance=(float(deviation[row, column]) * tolerance * life) ** 2,
         sampling=float(sampling[row, column]),
     )
+
+
+@cache
+def _deviations(confidence: float) -> tuple[np.ndarray, np.ndarray]:
+    """Shares of bias, and `deviation_beside` each: asked for every cycle."""
+    shares = np.linspace(0.0, LARGEST_SHARE, 51)
+    return shares, deviation_beside(shares, confidence)
 
 
 def deviation_beside(bias: np.ndarray, confidence: float) -> np.ndarray:

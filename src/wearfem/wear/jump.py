@@ -23,14 +23,14 @@ from statistics import NormalDist
 import numpy as np
 
 from wearfem.errors import UserError
-from wearfem.wear.budget import LEAST, Plan, cheapest_plan
-from wearfem.wear.sampling import ROUNDING, Sample, lag_products, noise_density, statistical_inefficiency
+from wearfem.wear.budget import Plan, cheapest_plan
+from wearfem.wear.course import SURPRISE, Course, kept, time_to_wear
+from wearfem.wear.first_failure import without_noise
+from wearfem.wear.sampling import Sample, statistical_inefficiency
+from wearfem.wear.sampling import corrected_depth as corrected_depth
 
 LARGEST_GROWTH = 2.0  # a jump over the one before: Adams-Bashforth 2 is zero-stable below 1 + sqrt(2)
-FIRST_BEND = 2.0  # r'' L^2 / r taken until the samples tell it: of a rate that grows fourfold in a life
 INDEPENDENT = 10  # blocks in the first sample: its variance is known within a half, sqrt(2/10)
-LATEST = 16  # samples that may tell of the present bend
-SURPRISE = 1.0 / np.sqrt(3.0)  # rms of where in a jump a sudden change came, over half the jump
 
 
 @dataclass(frozen=True)
@@ -114,14 +114,6 @@ class Life:
         return abs(self.bias) + deviations * self.noise
 
 
-def corrected_depth(samples: Sequence[Sample]) -> np.ndarray:
-    """(f,) [m] worn off at the service time of the last sample: the trapezoid rule over all rates"""
-    depth = np.zeros_like(samples[-1].mean)
-    for before, after in zip(samples[:-1], samples[1:], strict=True):
-        depth += 0.5 * (after.service_time - before.service_time) * (before.mean + after.mean)
-    return depth
-
-
 def choose_jump(
     samples: Sequence[Sample],
     depth: np.ndarray,
@@ -149,7 +141,7 @@ def choose_jump(
     that bias may use is the one that makes warm-ups and samples together cheapest (`_cheapest_share`).
     """
     now, cycles = samples[-1], len(samples)
-    course = _Course.along(samples, goal)
+    course = Course.along(samples, goal)
     ahead = corrected_depth(samples) - depth
     last = now.service_time - samples[-2].service_time if cycles > 1 else 0.0
     longest = {"asked": at_most} | (bounds or Bounds()).durations(now.mean)
@@ -193,7 +185,7 @@ def is_trusted(samples: Sequence[Sample], goal: Goal) -> bool:
     """
     if len(samples) < 3:
         return True
-    course = _Course.along(samples, goal)
+    course = Course.along(samples, goal)
     plan = _plan(course, goal, np.inf)
     surprise, noise = course.surprise(len(samples) - 1)
     variance = (SURPRISE * max(abs(surprise) - 3.0 * noise, 0.0)) ** 2
@@ -205,206 +197,34 @@ def is_trusted(samples: Sequence[Sample], goal: Goal) -> bool:
 
 def end_of_life(samples: Sequence[Sample], goal: Goal) -> Life:
     """When the first facet is worn out, with what is known of the error."""
-    course = _Course.along(samples, goal)
+    course = Course.along(samples, goal)
     depth = np.zeros_like(samples[-1].mean)
     time = np.full(len(depth), np.inf)
     for before, after in zip(samples[:-1], samples[1:], strict=True):
         step = after.service_time - before.service_time
         gain = 0.5 * step * (before.mean + after.mean)
         crossed = np.isinf(time) & (depth + gain >= goal.allowed_depth) & (gain > 0.0)
-        into = _time_to_wear(goal.allowed_depth - depth, before.mean, (after.mean - before.mean) / step)
+        into = time_to_wear(goal.allowed_depth - depth, before.mean, (after.mean - before.mean) / step)
         time[crossed] = before.service_time + into[crossed]
         depth = depth + gain
     on = np.isinf(time) & (samples[-1].mean > 0.0)
     time[on] = samples[-1].service_time + ((goal.allowed_depth - depth)[on] / samples[-1].mean[on])
-    facet = int(np.argmin(time))
-    return Life(float(time[facet]), facet, course.spent_bias, float(np.sqrt(course.spent_noise)))
+    weight = course.quadrature
+    weight[-1] += max(float(time.min()) - course.time[-1], 0.0)
+    lives = without_noise(
+        time, goal.area, course.own * float(weight**2 @ (1.0 / course.window)), course.independent
+    )
+    facet = int(np.argmin(lives.time))
+    density = course.together + lives.kept**2 * course.own
+    variance = (
+        density * float(course.quadrature**2 @ (1.0 / course.window))
+        + course.sudden_variance
+        + lives.doubt**2
+    )
+    return Life(float(lives.time[facet]), facet, course.spent_bias, float(np.sqrt(variance)))
 
 
-@dataclass(frozen=True)
-class _Course:
-    """The samples seen from where life ends first: one relative rate, its slope and bend, and the time that is left.
-
-    What was learnt before a sudden change says nothing of the course after it: slopes and bends are those of the present layer.
-    """
-
-    time: np.ndarray  # (n,) [s]
-    relative: np.ndarray  # (n,) [-] rate over the present one
-    relative_error: np.ndarray  # (n,) [-] of `relative`
-    noise_density: float  # [s] relative variance of a facet's rate times the window
-    window: np.ndarray  # (n,) [s]
-    memory: float  # [s] in which the flow forgets most (1 - 1/e) of a change
-    block: float  # [s]
-    weight: np.ndarray  # (f,)
-    rate: float  # [m/s] present, weighted
-    left: float  # [s]
-    layer: np.ndarray  # (n,) the first sample of the layer that each was taken in
-    slope: float = 0.0  # [1/s] r' / r beyond its noise; the expected one where that is larger
-    bend: float = 0.0  # [1/s2] |r''| / r likewise, beyond twice its noise
-
-    @property
-    def life(self) -> float:
-        """[s]"""
-        return float(self.time[-1]) + self.left - float(self.time[0])
-
-    @property
-    def least(self) -> float:
-        """[s] of the shortest sample"""
-        return LEAST * self.block
-
-    @classmethod
-    def along(cls, samples: Sequence[Sample], goal: Goal) -> "_Course":
-        now = samples[-1]
-        weight, left = _where_life_ends(samples, goal)
-        series = [sample.rate @ weight for sample in samples]
-        mean = np.array([one.mean() for one in series])
-        relative = [one / value - 1.0 for one, value in zip(series, mean, strict=True)]
-        together = noise_density(
-            [lag_products(one[:, None]) for one in relative], sum(one @ one for one in relative), now.block
-        )
-        share = weight * now.mean / mean[-1]
-        facets = noise_density(
-            [sample.lag_products / sample.mean.sum() ** 2 for sample in samples],
-            share @ sum(sample.squares for sample in samples),
-            now.block,
-        )
-        window = np.array([sample.window for sample in samples])
-        course = cls(
-            time=np.array([sample.service_time for sample in samples]),
-            relative=mean / mean[-1],
-            relative_error=np.sqrt(together / window) * mean / mean[-1],
-            noise_density=float(facets),
-            window=window,
-            memory=_memory(samples[0], weight),
-            block=now.block,
-            weight=weight,
-            rate=float(mean[-1]),
-            left=left,
-            layer=np.zeros(len(samples), int),
-        )
-        for jump in range(1, len(samples)):
-            course.layer[jump] = jump if course.sudden(jump) else course.layer[jump - 1]
-        slope, slope_error = course.fit(len(samples), 1)
-        bend, bend_error = course.fit(len(samples), 2)
-        slope *= _kept(slope, slope_error)
-        left = float(_time_to_wear(np.array(left), np.array(1.0), np.array(slope)))
-        expected = FIRST_BEND / (now.service_time - samples[0].service_time + left) ** 2
-        bend = abs(bend) * np.sqrt(_kept(bend, 2.0 * bend_error))
-        return replace(
-            course,
-            left=left,
-            slope=max(abs(slope), np.sqrt(expected)) if slope_error > np.sqrt(expected) else abs(slope),
-            bend=max(bend, expected) if bend_error > expected else bend,
-        )
-
-    def fit(self, count: int, degree: int) -> tuple[float, float]:
-        """The derivative of this degree of the relative rate at the latest of the first `count` samples, and its standard error
-        [1/s^degree].
-
-        From a polynomial of this degree through as many of the latest samples of the layer as it fits: chi^2 within three deviations
-        of its expectation.
-        """
-        used = min(count - self.layer[count - 1], LATEST)
-        if used <= degree:
-            return 0.0, np.inf
-        while True:
-            latest = slice(count - used, count)
-            time = self.time[latest] - self.time[count - 1]
-            value, error = self.relative[latest], self.relative_error[latest]
-            error = np.maximum(error, np.sqrt(ROUNDING) * value)
-            rows = np.vander(time / -time[0], degree + 1, increasing=True) / error[:, None]
-            answer, *_ = np.linalg.lstsq(rows, value / error, rcond=None)
-            chi2, freedom = float(np.square(rows @ answer - value / error).sum()), used - degree - 1
-            if not freedom or chi2 <= freedom + 3.0 * np.sqrt(2.0 * freedom):
-                break
-            used = max(degree + 1, 3 * used // 4)
-        scale = degree / (-time[0]) ** degree / answer[0]  # degree! / length^degree for 1 and 2
-        deviation = float(np.sqrt(np.linalg.inv(rows.T @ rows)[degree, degree]))
-        return float(answer[degree]) * scale, deviation * scale
-
-    @property
-    def noise(self) -> np.ndarray:
-        """(n,) [-] standard error of a facet's rate over the rate"""
-        return np.sqrt(self.noise_density / self.window)
-
-    @property
-    def quadrature(self) -> np.ndarray:
-        """(n,) [s] weight of each sample in the depth so far"""
-        step = np.diff(self.time)
-        return 0.5 * (np.append(0.0, step) + np.append(step, 0.0))
-
-    @property
-    def spent_noise(self) -> float:
-        """[s2] variance of life from the samples so far, and from sudden changes"""
-        sudden = sum(self.sudden(jump) for jump in range(1, len(self.time)) if self.layer[jump] == jump)
-        return float(np.square(self.quadrature * self.noise).sum()) + sudden
-
-    @property
-    def spent_bias(self) -> float:
-        """[s] signed, of the jumps so far: the trapezoid rule gains D^3 r'' / 12 too much depth, so life is told too short"""
-        total = 0.0
-        for jump in range(1, len(self.time)):
-            if self.layer[jump] == jump:
-                continue
-            bend, error = self.fit(max(jump + 1, min(3, len(self.time))), 2)
-            total -= (self.time[jump] - self.time[jump - 1]) ** 3 * bend * _kept(bend, error) / 12.0
-        return total
-
-    def surprise(self, jump: int) -> tuple[float, float]:
-        """Corrector minus predictor of a jump [s], and its standard deviation from sampling: the embedded pair.
-
-        Nothing where the layer that the jump began in has but one sample.
-        """
-        if jump - self.layer[jump - 1] < 2:
-            return 0.0, 0.0
-        step, before = np.diff(self.time[jump - 2 : jump + 1])[::-1]
-        ratio = step / before
-        part = np.array([ratio, -1.0 - ratio, 1.0])
-        scale = 0.5 * step / self.relative[jump]
-        difference = scale * float(part @ self.relative[jump - 2 : jump + 1])
-        return difference, scale * float(np.linalg.norm(part * self.relative_error[jump - 2 : jump + 1]))
-
-    def sudden(self, jump: int) -> float:
-        """[s2] variance of life from a jump in which the rate changed as no smooth course foretold; zero for others.
-
-        Sudden is a surprise of three deviations and four times the one that the bend before it foretells.
-        """
-        if jump - self.layer[jump - 1] < 3:
-            return 0.0
-        surprise, noise = self.surprise(jump)
-        if abs(surprise) <= 3.0 * noise:
-            return 0.0
-        step, before = np.diff(self.time[jump - 2 : jump + 1])[::-1]
-        foretold = 0.25 * step**2 * (step + before) * abs(self.fit(jump, 2)[0])
-        if abs(surprise) <= 4.0 * foretold:
-            return 0.0
-        return float((SURPRISE * surprise) ** 2 - noise**2 * SURPRISE**2)
-
-
-def _memory(first: Sample, weight: np.ndarray) -> float:
-    """[s] after which 1/e is left of a change of the flow: from 1 to the scatter of a block in the first warm-up, where it was lost to
-    sight."""
-    series = first.rate @ weight
-    scatter = float(series.std() / series.mean())
-    return first.warm_up / max(np.log(1.0 / max(scatter, np.sqrt(ROUNDING))), 1.0)
-
-
-def _where_life_ends(samples: Sequence[Sample], goal: Goal) -> tuple[np.ndarray, float]:
-    """Weights (f,) that fall with the eighth power of the life at the present rate, and the shortest time left [s]."""
-    rate = samples[-1].mean
-    if not (rate[np.isfinite(goal.allowed_depth)] > 0.0).any():
-        raise UserError(
-            "no facet with an allowed depth wears at all: sample longer, or look where the flow goes."
-        )
-    still = np.maximum(goal.allowed_depth - corrected_depth(samples), 0.0)
-    left = np.where(rate > 0.0, still / np.where(rate > 0.0, rate, 1.0), np.inf)
-    shortest = float(left.min())
-    passed = samples[-1].service_time - samples[0].service_time
-    weight = goal.area * ((passed + shortest) / (passed + left)) ** 8
-    return weight / weight.sum(), shortest
-
-
-def _plan(course: _Course, goal: Goal, longest: float) -> Plan:
+def _plan(course: Course, goal: Goal, longest: float) -> Plan:
     """The cheapest way through the life as it is known now, no jump longer than `longest` [s]."""
     return cheapest_plan(
         course.life,
@@ -419,7 +239,7 @@ def _plan(course: _Course, goal: Goal, longest: float) -> Plan:
     )
 
 
-def _window_needed(course: _Course, before: float, after: float, left: float, allowed: float) -> float:
+def _window_needed(course: Course, before: float, after: float, left: float, allowed: float) -> float:
     """Length of a sample [s] such that samples in proportion to the time they stand for keep the variance of life [s2] allowed.
 
     The sample stands for half of the jumps before and after it; the time `left` comes after it. Where earlier samples used up more
@@ -433,40 +253,23 @@ def _window_needed(course: _Course, before: float, after: float, left: float, al
     return course.noise_density * stands_for * 0.5 * (before + after) / still
 
 
-def _foreseen(samples: Sequence[Sample], goal: Goal, course: _Course) -> _Course:
+def _foreseen(samples: Sequence[Sample], goal: Goal, course: Course) -> Course:
     """What the samples before the last one say of the time that is left; all of them where they cannot know."""
     if len(samples) < 3 or course.layer[-1] == len(samples) - 1:
         return course
-    before = _Course.along(samples[:-1], goal)
+    before = Course.along(samples[:-1], goal)
     left = before.left - (course.time[-1] - before.time[-1])
     return replace(before, left=left, time=course.time) if left > goal.tolerance * course.life else course
 
 
-def _slope(samples: Sequence[Sample], course: _Course) -> np.ndarray:
+def _slope(samples: Sequence[Sample], course: Course) -> np.ndarray:
     """(f,) [m/s2] between the last two samples of one layer, kept so far as it stands out of the noise"""
     if course.layer[-1] == len(samples) - 1:
         return np.zeros_like(samples[-1].mean)
     before, now = samples[-2:]
     change = now.mean - before.mean
     signal, noise = course.weight @ change**2, course.weight @ (now.error**2 + before.error**2)
-    return change * _kept(np.sqrt(signal), np.sqrt(noise)) / (now.service_time - before.service_time)
-
-
-def _kept(value: float, error: float) -> float:
-    """The part of a noisy value that is signal: 1 - error^2 / value^2, not below zero"""
-    return float(max(1.0 - (error / value) ** 2, 0.0)) if value else 0.0
-
-
-def _time_to_wear(depth: np.ndarray, rate: np.ndarray, slope: np.ndarray) -> np.ndarray:
-    """Time [s] in which rate t + slope t^2 / 2 reaches the depth; twice the time at constant rate where it never does."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        even = depth / rate
-        root = np.sqrt(np.maximum(1.0 + 2.0 * slope * even / rate, 0.0))
-        return 2.0 * even / (1.0 + root)
-
-
-def _over(part: np.ndarray, whole: np.ndarray) -> np.ndarray:
-    return np.divide(part, whole, out=np.zeros_like(part), where=whole > 0.0)
+    return change * kept(np.sqrt(signal), np.sqrt(noise)) / (now.service_time - before.service_time)
 
 
 def _inverse(value: float) -> float:

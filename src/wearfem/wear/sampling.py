@@ -71,6 +71,14 @@ class Sample:
         return float(series.mean()), float(standard_error(series[:, None])[0])
 
 
+def corrected_depth(samples: Sequence[Sample]) -> np.ndarray:
+    """(f,) [m] worn off at the service time of the last sample: the trapezoid rule over all rates"""
+    depth = np.zeros_like(samples[-1].mean)
+    for before, after in zip(samples[:-1], samples[1:], strict=True):
+        depth += 0.5 * (after.service_time - before.service_time) * (before.mean + after.mean)
+    return depth
+
+
 def standard_error(block_rate: np.ndarray) -> np.ndarray:
     """Standard error of the mean of blocks that may remember one another.
 
