@@ -329,6 +329,25 @@ def load_any_case(folder: Path, settings: Mapping[str, Value] | None = None) -> 
     return replace(case, settings=keywords, folder=file.parent)
 
 
+def case_keywords(folder: Path) -> inspect.Signature:
+    """The keywords of a case with their defaults [SI]."""
+    return _case_function(find_case(folder))[1]
+
+
+def parts_of(folder: Path) -> ModuleType:
+    """What the case file of a folder defines, so that another case can be built from its parts.
+
+    Name that file among the `files` of the case that uses it: the manifest then keeps its hash too.
+
+    Raises
+    ------
+    UserError
+        where the folder has no case, or its file fails.
+    """
+    file = find_case(folder)
+    return _in_users_file(file, lambda: _import(file))
+
+
 def find_case(folder: Path) -> Path:
     """The `case.py` of a folder (or of the path to the file itself)."""
     file = folder if folder.name == "case.py" else folder / "case.py"
@@ -337,6 +356,10 @@ def find_case(folder: Path) -> Path:
     existing = sorted(
         {str(path) for place in (file.parent.parent, Path("cases")) for path in _cases_in(place)}
     )
+    if surveys := _surveys_in(folder):
+        raise UserError(
+            f"{folder} has no file case.py: it holds a survey, and nothing to run; give wearfem diagnose {surveys[0]}"
+        )
     problem = f"{folder} has no file case.py" if folder.is_dir() else f"there is no case {folder}"
     advice = (
         f"the cases here are {in_words(existing)}"
@@ -344,6 +367,13 @@ def find_case(folder: Path) -> Path:
         else "give the path of a folder that holds a case.py"
     )
     raise UserError(f"{problem}{did_you_mean(str(folder), existing)}; {advice}")
+
+
+def _surveys_in(folder: Path) -> list[Path]:
+    """Surveys (CSV) of a folder or of its `measured`"""
+    if folder.suffix.lower() == ".csv" and folder.is_file():
+        return [folder]
+    return sorted([*folder.glob("*.csv"), *folder.glob("measured/*.csv")]) if folder.is_dir() else []
 
 
 def _cases_in(place: Path) -> list[Path]:

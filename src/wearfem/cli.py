@@ -2,8 +2,9 @@
 
 import os
 import sys
+from collections.abc import Callable
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import click
 
@@ -145,15 +146,83 @@ def study(
     return int(any(row.status == "failed" for row in rows))
 
 
+survey_argument = click.argument("survey", type=Path)
+progress_option = click.option(
+    "--progress", default="", metavar="COLUMN", help="The column that counts service."
+)
+exposure_option = click.option(
+    "--exposure", type=Path, metavar="CSV", help="Baseline wear by point, with features of the state."
+)
+run_option = click.option(
+    "--run", "run_folder", type=Path, metavar="RUN", help="The run that the readings belong to."
+)
+
+
+def forecast_options(command: Callable[..., None]) -> Callable[..., None]:
+    """The options of a forecast, for every command that makes one; they come as keywords."""
+    options = [
+        click.option("--limit", default="", metavar="LENGTH", help="Thickness, or wear read, at which a liner is changed, like 8*mm."),
+        click.option("--stress-limit", default="", metavar="STRESS", help="Largest von Mises stress allowed, like 250*MPa."),
+        click.option("--next-stop", default="", metavar="WHEN", help="Service time or throughput since new, like 600*hour or 60*kt."),
+        click.option("--coefficient-error", default="", metavar="PART", help="Doubt of the wear coefficient, one deviation, like 0.1."),
+        click.option("--calibration", type=Path, metavar="FILE", help="The same from what wearfem calibrate --json wrote."),
+        click.option("--study", type=Path, metavar="DIR", help="Mesh error from a study of the case over a mesh size."),
+        click.option("--frozen", type=Path, metavar="RUN", help="A run of the case with frozen geometry, to be shown beside."),
+        click.option("--price", type=float, metavar="MONEY", help="Of a new liner, fitted; needed for costs."),
+        click.option("--unplanned-price", type=float, metavar="MONEY", help="Of a stop that nobody planned, beside standing."),
+        click.option("--hour-price", type=float, metavar="MONEY", help="Of an hour in which the plant stands."),
+        click.option("--planned-hours", type=float, metavar="HOURS", help="That the plant stands for a planned change."),
+        click.option("--unplanned-hours", type=float, metavar="HOURS", help="That it stands when the liner fails."),
+        click.option("--currency", default="", metavar="WORD", help="Of the prices, like EUR."),
+    ]  # fmt: skip
+    for option in reversed(options):
+        command = option(command)
+    return command
+
+
+@wearfem.command()
+@click.argument("path", type=Path)
+@forecast_options
+@progress_option
+@exposure_option
+@run_option
+@click.option("--out", type=Path, metavar="FILE", help="Also write what is printed to FILE.")
+@json_option
+def forecast(
+    path: Path,
+    progress: str,
+    exposure: Path | None,
+    run_folder: Path | None,
+    out: Path | None,
+    json_file: Path | None,
+    **asked: Any,
+) -> None:
+    """Foretell the life of a run by zone, or of a survey by point, with its interval, beside the straight line.
+
+    PATH is the folder of a life that has run for two cycles or more, or a survey (CSV). Of a survey --limit and --next-stop are
+    told, with --progress, --exposure and --run as in diagnose.
+    """
+    if path.suffix.lower() == ".csv":
+        from wearfem.measured import forecast_survey
+
+        forecast_survey(path, asked, progress, exposure, run_folder, out, json_file)
+        return
+    from wearfem.foretell import asked_for, forecast_run
+
+    forecast_run(path, asked_for(**asked), out, json_file)
+
+
 @wearfem.command()
 @click.argument("run", type=Path)
 @click.option("--out", type=Path, metavar="FILE", help="The page to write; report.html in RUN if not given.")
+@forecast_options
 @json_option
-def report(run: Path, out: Path | None, json_file: Path | None) -> None:
+def report(run: Path, out: Path | None, json_file: Path | None, **asked: Any) -> None:
     """Write one page on a life, for the planner of maintenance; it needs no network and prints well."""
+    from wearfem.foretell import asked_for
     from wearfem.report_page import write_report
 
-    write_report(run, out, json_file)
+    write_report(run, out, json_file, asked_for(**asked))
 
 
 @wearfem.command()
@@ -177,18 +246,6 @@ def bench(names: tuple[str, ...], json_file: Path | None, quick: bool) -> None:
     bench(names, json_file, quick)
 
 
-survey_argument = click.argument("survey", type=Path)
-progress_option = click.option(
-    "--progress", default="", metavar="COLUMN", help="The column that counts service."
-)
-exposure_option = click.option(
-    "--exposure", type=Path, metavar="CSV", help="Baseline wear by point, with features of the state."
-)
-run_option = click.option(
-    "--run", "run_folder", type=Path, metavar="RUN", help="The run that the readings belong to."
-)
-
-
 @wearfem.command()
 @survey_argument
 @progress_option
@@ -209,20 +266,68 @@ def calibrate(
 @progress_option
 @exposure_option
 @run_option
-@click.option("--out", type=Path, metavar="DIR", help="A folder for diagnosis.json.")
+@click.option(
+    "--limit",
+    metavar="VALUE",
+    help='What must be left of a plate, or may be lost, as in "8*mm": tell its life.',
+)
+@click.option("--next-stop", metavar="VALUE", help='Service until the next stop, as in "1200*kt".')
+@click.option("--out", type=Path, metavar="DIR", help="A folder for report.html and the figures as JSON.")
 @json_option
 def diagnose(
     survey: Path,
     progress: str,
     exposure: Path | None,
     run_folder: Path | None,
+    limit: str,
+    next_stop: str,
     out: Path | None,
     json_file: Path | None,
 ) -> None:
     """Say what the model of a SURVEY (CSV) lacks, how sure that is, and what to measure next."""
     from wearfem.measured import diagnose_survey
 
-    diagnose_survey(survey, progress, exposure, run_folder, out, json_file)
+    diagnose_survey(survey, progress, exposure, run_folder, out, json_file, limit, next_stop)
+
+
+@wearfem.command()
+@survey_argument
+@click.option(
+    "--run",
+    "run_folder",
+    type=Path,
+    metavar="RUN",
+    required=True,
+    help="The run that the readings belong to.",
+)
+@click.option("--out", type=Path, metavar="DIR", required=True, help="A folder for the improved case.")
+@progress_option
+@click.option(
+    "--rounds",
+    type=int,
+    default=6,
+    show_default=True,
+    metavar="N",
+    help="Coupled runs at most, of each kind.",
+)
+@json_option
+@click.option("--quiet", is_flag=True, help="Show no progress.")
+def improve(
+    survey: Path,
+    run_folder: Path,
+    out: Path,
+    progress: str,
+    rounds: int,
+    json_file: Path | None,
+    quiet: bool,
+) -> None:
+    """Add to the case of RUN what a SURVEY (CSV) asks for, and repeat the run until both agree.
+
+    DIR/improved is the improved case, for wearfem run. The same command goes on with what DIR holds.
+    """
+    from wearfem.measured import improve_with_survey
+
+    improve_with_survey(survey, progress, run_folder, out, rounds, json_file, quiet)
 
 
 def main() -> None:

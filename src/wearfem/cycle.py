@@ -21,14 +21,14 @@ from wearfem.liner.solve import factorise
 from wearfem.liner.traction import load_cases
 from wearfem.loads import FacetLoads, in_one_block, in_sequence, on_facets, without_classes
 from wearfem.surface import Surface
+from wearfem.wear.budget import LEAST
 from wearfem.wear.jump import Bounds, Goal, Jump, Life, choose_jump, end_of_life, is_trusted
-from wearfem.wear.sampling import FEWEST_BLOCKS, Sample, steady_from
+from wearfem.wear.sampling import Sample, steady_from
 from wearfem.wear.smooth import HelmholtzFilter
 
 Tell = Callable[[float, str], None]
 
 PIECE = 8  # blocks that are sampled at once: their histograms are the largest thing in memory
-LEAST = 8  # blocks of a sample
 PATIENCE = 50  # times the window given for the first sample, which it may become for its noise
 ROUNDS = 6  # in which a mesh takes a jump, made anew or opened between them
 LEAST_TAKEN = 1e-3  # part of a jump: a mesh that takes less does not recede
@@ -196,35 +196,41 @@ class Measured:
 def sample_rate(
     case: LifeCase, state: State, surface: Surface, goal: Goal, bounds: Bounds, tell: Tell | None = None
 ) -> tuple[Any, Measured]:
-    """Let the flow run over the worn face until its rate of wear is known as well as was planned.
+    """Let the flow run over the worn face until its rate of wear is known as well as was planned, or until the jump here proves too bold.
 
     The length is fixed beforehand, by the jump before; only the first sample is made longer, for its noise alone (decision 0006).
     Effects see loads without the warm-up that is known beforehand; what more of it is found is left out of the rate.
     """
     block = case.window.duration / case.window.block_count
-    earlier = state.now.samples
-    known = round((earlier[0].warm_up if earlier else case.warm_up) / block)
-    planned = state.jump.window if earlier and state.jump else case.window.duration
-    least = max(LEAST, FEWEST_BLOCKS, int(np.ceil(planned / block - ROUNDING)))
-    flow, pieces, asked = state.flow, _Pieces(case, state.now.liner, known), known + least
+    earlier, planned = state.now.samples, state.jump if state.now.samples else None
+    known = round((planned.warm_up if planned else case.warm_up) / block)
+    least = max(LEAST, int(np.ceil((planned.window if planned else case.window.duration) / block - ROUNDING)))
+    flow, pieces, asked = state.flow, _Pieces(case, state.now.liner, known), known + LEAST
     while True:
         flow = _sample_pieces(case, flow, surface, pieces, block, asked, tell)
         rate = pieces.rate(surface)
         start = max(steady_from(rate @ surface.facet_area), known)
         steady = len(rate) - start
-        if steady >= least:
+        if steady >= LEAST:
             sample = Sample(state.now.liner.service_time, rate[start:].copy(), block, start * block)
-            jump = None if earlier else choose_jump((sample,), state.now.receded, goal, bounds)
-            if jump is None or jump.limited_by != "noise":
+            if steady >= least and not earlier:
+                jump = choose_jump((sample,), state.now.receded, goal, bounds)
+                if jump.limited_by == "noise":
+                    least = int(np.ceil(jump.window / block - ROUNDING))
+                    _refuse_beyond_patience(case, surface, goal, jump.window)
+            if steady >= least or not is_trusted((*earlier, sample), goal):
                 return flow, Measured(sample, pieces.total, pieces.by_block)
-            least = int(np.ceil(jump.window / block - ROUNDING))
-            if jump.window > PATIENCE * case.window.duration:
-                raise UserError(
-                    f"the rate of wear on {surface.name} is so noisy that the first sample would have to be {jump.window:.3g} s long, "
-                    f"with a window of {case.window.duration:.3g} s given: give the case a longer window, a larger tolerance than "
-                    f"{goal.tolerance:g} or a larger smoothing_length"
-                )
-        asked = max(least - steady, FEWEST_BLOCKS)
+        asked = max(least - steady, 1)
+
+
+def _refuse_beyond_patience(case: LifeCase, surface: Surface, goal: Goal, window: float) -> None:
+    """Raise `UserError` where noise asks for a first sample that is far longer than the one given."""
+    if window > PATIENCE * case.window.duration:
+        raise UserError(
+            f"the rate of wear on {surface.name} is so noisy that the first sample would have to be {window:.3g} s long, with a window "
+            f"of {case.window.duration:.3g} s given: give the case a longer window, a larger tolerance than {goal.tolerance:g} or a "
+            "larger smoothing_length"
+        )
 
 
 def _sample_pieces(

@@ -19,13 +19,37 @@ from wearfem.liner.transfer import nearest_point
 from wearfem.record import read_manifest
 from wearfem.surface import Surface
 from wearfem.survey.columns import UNITS, column
-from wearfem.survey.course import Course
+from wearfem.survey.course import Course, at_own_pace
 from wearfem.survey.survey import Survey
+from wearfem.wear.effect import Effect
+from wearfem.wear.effects import Corrosion
 from wearfem.wear.features import features
 
 STATE = ("pressure", "slip_speed", "mobilised_friction", "impact_angle", "impact_work")  # what particles tell
+LEAST_PACE = 0.02  # [-] of the factor: slower, and the rate divided by it tells nothing
 ALIKE = 0.87  # cosine of 30 degrees: facets that face the same way
 SCALES = (("mm", 1e-3), ("cm", 1e-2), ("km", 1e3))  # by which coordinates are mistaken for metres
+
+
+@dataclass(frozen=True)
+class PutIn:
+    """What a run has beside the case whose exposure is asked: its wear law scaled, and effects."""
+
+    factor: float  # [-]
+    effects: tuple[Effect, ...] = ()
+
+    def pace(self, report: CycleReport, liner: Liner) -> np.ndarray:
+        """(f,) [-] by which the run wears faster than the case; what only adds is left out. Where that is next to nothing, `LEAST_PACE`"""
+        pace = np.full((1, len(liner.depth)), self.factor)
+        for effect in self.effects:
+            if not isinstance(effect, Corrosion):
+                pace = effect.modify(pace, report.loads, liner)
+        return np.maximum(pace[0], LEAST_PACE * self.factor)
+
+    @property
+    def addition(self) -> float:
+        """[m/s] of depth"""
+        return sum(effect.addition() for effect in self.effects if isinstance(effect, Corrosion))
 
 
 @dataclass(frozen=True)
@@ -48,7 +72,9 @@ class Foot:
         return max(float(field[self.facet] + self.offset @ self.gradient(field)), 0.0)
 
 
-def exposed_by_run(survey: Survey, run: Path, tolerance: float | None = None) -> Survey:
+def exposed_by_run(
+    survey: Survey, run: Path, tolerance: float | None = None, put_in: PutIn | None = None
+) -> Survey:
     """The survey with the course of a run at its points: then a coefficient is a factor on the run's own wear.
 
     Parameters
@@ -59,6 +85,8 @@ def exposed_by_run(survey: Survey, run: Path, tolerance: float | None = None) ->
         The folder of a life that `wearfem run` has begun.
     tolerance
         [m] that points may lie off the worn face; by default the size of the facet, or the wear there if that is more.
+    put_in
+        What the run has beside the case; then the course is that of the case's own wear along the shapes that the run went through.
 
     Raises
     ------
@@ -84,7 +112,8 @@ def exposed_by_run(survey: Survey, run: Path, tolerance: float | None = None) ->
         [survey.feature["position"][survey.life == i][0] for i in range(len(survey.life_point))]
     )  # (l, 3)
     feet = put_on(place, kept[0][0], run, survey, tolerance, float(kept[-1][1].depth.max()))
-    rate, error, state = [], [], []
+    put_in = put_in or PutIn(1.0)
+    rate, error, state, pace = [], [], [], []
     worn, steep = np.zeros(len(place)), np.zeros((len(place), 3))
     mesh = kept[0][0].mesh
     before = None
@@ -95,7 +124,10 @@ def exposed_by_run(survey: Survey, run: Path, tolerance: float | None = None) ->
         mesh = liner.mesh
         surface = wear_surface(liner)
         before = np.array([foot.weight @ surface.corner[foot.triangle] for foot in feet])
-        rate.append([foot.value(report.rate) for foot in feet])
+        faster = put_in.pace(report, liner)
+        own = np.maximum(report.rate - put_in.addition, 0.0) / faster
+        rate.append([foot.value(own) for foot in feet])
+        pace.append([foot.value(faster) for foot in feet])
         error.append([report.error[foot.facet] for foot in feet])
         known = features(STATE, report.loads, liner)
         state.append([[foot.value(known[name]) for foot in feet] for name in STATE])
@@ -116,6 +148,12 @@ def exposed_by_run(survey: Survey, run: Path, tolerance: float | None = None) ->
         _moves(kept),
         _notes(survey, run, progress, kept, float(np.median(noise))),
     )
+    if (
+        put_in.addition > 0.0
+    ):  # what is added keeps no pace with wear: the course stays on the run's own service
+        course = replace(course, follows_shape=False)
+    elif put_in != PutIn(1.0):
+        course = at_own_pace(course, np.array(pace).T)
     return replace(survey, course=course, exposure_known=True)
 
 

@@ -30,7 +30,7 @@ class Curve:
 
 
 @contextmanager
-def _figure(
+def page_figure(
     found: list[str], width: float, height: float, columns: int = 1, *, image: str = "svg"
 ) -> Iterator[Any]:
     """Axes to draw on; the data address of the picture is added to `found`. Sizes in inch."""
@@ -59,7 +59,7 @@ def _figure(
 def draw_curve(curve: Curve) -> str:
     """A curve as the data address of an SVG; the error is a band."""
     found: list[str] = []
-    with _figure(found, 4.6, 2.7) as (axes,):
+    with page_figure(found, 4.6, 2.7) as (axes,):
         if len(curve.error):
             axes.fill_between(
                 curve.x,
@@ -90,7 +90,7 @@ def draw_maps(mesh: LinerMesh, maps: Sequence[tuple[str, np.ndarray]], limits: t
     half = views[0].frame[1]
     width = 3.6
     height = float(np.clip(width * half[1] / half[0], 1.0, 5.0)) + 1.2
-    with _figure(found, width * len(views) + 0.9, height, len(views), image="png") as axes:
+    with page_figure(found, width * len(views) + 0.9, height, len(views), image="png") as axes:
         for place, view in zip(axes, views, strict=True):
             scale = paint(place, view, None, (1e3 * limits[0], 1e3 * limits[1]), COLOURS)
             place.title.set(fontsize=10, fontweight="bold", color=INK)

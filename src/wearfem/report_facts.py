@@ -3,20 +3,40 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from hashlib import sha256
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from wearfem.case import LifeCase
+from wearfem.case import LifeCase, load_any_case
 from wearfem.cycle import CycleReport
+from wearfem.errors import UserError
 from wearfem.history import History
 from wearfem.life import words
 from wearfem.liner.mesh import WEAR, LinerMesh, find_facets
+from wearfem.record import file_hash
 from wearfem.wear.jump import Goal, Life, end_of_life
 
 REST = "rest of the worn face"
 UNEXPLAINED = 0.2  # of the first thickness, by which a facet may measure thinner than its wear explains, as curved faces do
 CONFIDENCE = 0.9  # of the intervals, where the case that would name another is gone
+
+
+def case_of_run(begun: Mapping[str, Any]) -> LifeCase | None:
+    """The case that was run, from its manifest; None where it is gone, is not what it was, or is no life."""
+    settings = {name: _as_set(value) for name, value in begun["settings"].items() if value is not None}
+    try:
+        if any(file_hash(Path(file)) != digest for file, digest in begun["sha256"].items()):
+            return None
+        case = load_any_case(Path(begun["folder"]), settings)
+    except UserError:
+        return None
+    return case if isinstance(case, LifeCase) else None
+
+
+def _as_set(value: Any) -> Any:
+    """A setting as `--set` gives it: JSON knows no tuples."""
+    return tuple(_as_set(item) for item in value) if isinstance(value, list) else value
 
 
 @dataclass(frozen=True)

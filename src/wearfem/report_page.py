@@ -11,15 +11,16 @@ from typing import Any
 import h5py
 import numpy as np
 
-from wearfem.case import Figure, LifeCase, load_any_case
+from wearfem.case import Figure, LifeCase
 from wearfem.errors import UserError
+from wearfem.forecast import QUANTILES
+from wearfem.foretell import Asked, Foretold, foretell_history, percent, plans_of, shares
 from wearfem.history import CYCLES, History, cycles_of, read_cycle, read_history
 from wearfem.life import words
 from wearfem.liner.liner import wear_surface
 from wearfem.progress import clock
 from wearfem.record import (
     figure_list,
-    file_hash,
     now,
     read_manifest,
     require_writable,
@@ -30,6 +31,7 @@ from wearfem.report_drawings import Curve, colour_table, draw_curve, draw_maps
 from wearfem.report_facts import (
     CONFIDENCE,
     End,
+    case_of_run,
     corrected_thickness,
     corrected_volume,
     deviations,
@@ -60,7 +62,9 @@ class Frame:
     depth: np.ndarray  # (t,) [m] worn off since the liner was new
 
 
-def write_report(run: Path, out: Path | None = None, json_file: Path | None = None) -> tuple[Figure, ...]:
+def write_report(
+    run: Path, out: Path | None = None, json_file: Path | None = None, asked: Asked | None = None
+) -> tuple[Figure, ...]:
     """Write the page of a life: what was run, when it ends and how surely, what is left where, and what to beware of.
 
     Parameters
@@ -72,6 +76,8 @@ def write_report(run: Path, out: Path | None = None, json_file: Path | None = No
         anew each time.
     json_file
         Where else to write the figures.
+    asked
+        What the forecast on the page is to know and to tell: limits, the next stop, prices. The limits of the case without it.
 
     Returns
     -------
@@ -91,13 +97,13 @@ def write_report(run: Path, out: Path | None = None, json_file: Path | None = No
         raise UserError(
             f"{run} has no cycles: a report is of a life, a case in cycles such as cases/wearing_plate, that has run for two or more"
         )
-    case = _case_of(begun)
+    case = case_of_run(begun)
     history = read_history(run)
     if len(history.samples) < 2:
         raise UserError(
             f"{run} has one cycle that was kept, and a report needs two, to see the liner wear: go on with wearfem resume {run}"
         )
-    page, figures = compose(run, begun, history, case)
+    page, figures = compose(run, begun, history, case, asked)
     with whole_file(place) as temporary:
         temporary.write_text(page, encoding="utf-8")
     if json_file:
@@ -107,7 +113,7 @@ def write_report(run: Path, out: Path | None = None, json_file: Path | None = No
 
 
 def compose(
-    run: Path, begun: Mapping[str, Any], history: History, case: LifeCase | None
+    run: Path, begun: Mapping[str, Any], history: History, case: LifeCase | None, asked: Asked | None = None
 ) -> tuple[str, tuple[Figure, ...]]:
     """The page as text, and its figures."""
     from jinja2 import Environment, StrictUndefined
@@ -128,7 +134,8 @@ def compose(
     in_order = sorted(moments.items(), key=lambda moment: moment[1])
     maps = [(title, thickness_at(history, time)) for title, time in in_order]
     source = files("wearfem") / "page"
-    figures = figures_of(history, end)
+    foretold, refused = _foretold(history, case, asked)
+    figures = figures_of(history, end, foretold)
     environment = Environment(
         autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
@@ -148,6 +155,12 @@ def compose(
         grouped=any(name in mesh.group for name in zones_of(mesh)),
         warnings=warnings_of(history, begun, case, end),
         figures=figures,
+        foretold=foretold,
+        refused=refused,
+        shares=shares,
+        percent=percent,
+        planned=plans_of(foretold) if foretold else [],
+        chances=[(curve.title, draw_curve(curve)) for curve in chances_of(foretold)] if foretold else [],
         case_figures=_case_figures(run),
         settings=begun["settings"],
         versions=begun["versions"],
@@ -166,7 +179,33 @@ def compose(
     return page, figures
 
 
-def figures_of(history: History, end: End) -> tuple[Figure, ...]:
+def _foretold(history: History, case: LifeCase | None, asked: Asked | None) -> tuple[Foretold | None, str]:
+    """The forecast, or the sentence that says why there is none. What was asked for is not passed over in silence."""
+    try:
+        return foretell_history(history, case, asked or Asked()), ""
+    except UserError as error:
+        if asked is not None and asked != Asked():
+            raise
+        return None, str(error)
+
+
+def chances_of(foretold: Foretold) -> list[Curve]:
+    """The chance that the whole worn face lasts, and where prices are given the cost by the time of change."""
+    lives = np.sort(foretold.forecast.zone[0].draw) / day
+    left = 100.0 * (1.0 - np.arange(len(lives)) / len(lives))
+    some = np.linspace(0, len(lives) - 1, 40).round().astype(int)
+    title = f"Chance to last, until {foretold.forecast.zone[0].until}"
+    curves = [Curve(title, lives[some], left[some], "service time [d]", "chance [%]")]
+    if foretold.costs:
+        cost = np.array([foretold.per_tonne(rate) for rate in foretold.costs.rate])
+        unit = f"cost [{foretold.cost_unit}]"
+        curves.append(
+            Curve("Cost by the time of change", foretold.costs.time / day, cost, "service time [d]", unit)
+        )
+    return curves
+
+
+def figures_of(history: History, end: End, foretold: Foretold | None = None) -> tuple[Figure, ...]:
     """The numbers of the page."""
     low, high = end.interval
     left = least(corrected_thickness(history)[-1])
@@ -182,6 +221,17 @@ def figures_of(history: History, end: End) -> tuple[Figure, ...]:
     ]
     if np.isfinite(end.throughput):
         figures.insert(3, Figure("throughput at end of life", end.throughput / tonne, "t"))
+    for zone in foretold.forecast.zone if foretold else ():
+        name = f"{zone.zone}, until {zone.until}"
+        for part, quantile in zip(QUANTILES, zone.quantile, strict=True):
+            figures.append(
+                Figure(f"life foretold, {name}, {part:.0%} of the draws end before", quantile / day, "d")
+            )
+        if foretold and foretold.next_stop is not None:
+            reached = zone.probability_to_reach(foretold.next_stop)
+            figures.append(Figure(f"probability to reach the next stop, {name}", reached, "-"))
+    if foretold:
+        figures += [Figure(f"cost, {way}", cost, foretold.cost_unit) for way, cost in plans_of(foretold)]
     return tuple(figures)
 
 
@@ -317,23 +367,6 @@ def _limits(*thickness: np.ndarray) -> tuple[float, float]:
     known = known[np.isfinite(known)]
     low, high = (float(known.min()), float(known.max())) if len(known) else (0.0, 1e-3)
     return (low, high) if high > low else (0.0, high or 1e-3)
-
-
-def _case_of(begun: Mapping[str, Any]) -> LifeCase | None:
-    """The case that was run, for its notes and the confidence that it asks; None where it is gone or is not what it was."""
-    settings = {name: _as_set(value) for name, value in begun["settings"].items() if value is not None}
-    try:
-        if any(file_hash(Path(file)) != digest for file, digest in begun["sha256"].items()):
-            return None
-        case = load_any_case(Path(begun["folder"]), settings)
-    except UserError:
-        return None
-    return case if isinstance(case, LifeCase) else None
-
-
-def _as_set(value: Any) -> Any:
-    """A setting as `--set` gives it: JSON knows no tuples."""
-    return tuple(_as_set(item) for item in value) if isinstance(value, list) else value
 
 
 def _case_figures(run: Path) -> list[dict[str, Any]]:

@@ -92,6 +92,23 @@ def resume_run(run: Path, json_file: Path | None = None, quiet: bool = False) ->
     """
     if json_file:
         require_writable(json_file)
+    case, begun = case_of_run(run)
+    if begun["finished"] is not None:
+        raise UserError(f"the run in {run} is finished ({begun['finished']}): there is nothing to resume")
+    sweep(run)
+    print(f"{case.name}: going on in {run}", flush=True)
+    return _live(case, RunFolder(run), datetime.fromisoformat(begun["started"]), json_file, quiet)
+
+
+def case_of_run(run: Path) -> tuple[LifeCase, dict[str, Any]]:
+    """The case that a run folder is a life of, with the run's keywords, and what the folder says of itself.
+
+    Raises
+    ------
+    UserError
+        for a folder that is no run or of a case in stages, and where the case, one of its files or the version of wearfem is not the one
+        that began it.
+    """
     begun = read_manifest(run)
     # null stands for what JSON cannot say, an infinite default: no setting is infinite
     settings = {name: _as_set(value) for name, value in begun["settings"].items() if value is not None}
@@ -100,12 +117,36 @@ def resume_run(run: Path, json_file: Path | None = None, quiet: bool = False) ->
         raise UserError(
             f"{run} is a run of {case.name}, a case in stages, which is run anew: use wearfem run"
         )
-    if begun["finished"] is not None:
-        raise UserError(f"the run in {run} is finished ({begun['finished']}): there is nothing to resume")
     check_same(run, begun, manifest(case, now()))
-    sweep(run)
-    print(f"{case.name}: going on in {run}", flush=True)
-    return _live(case, RunFolder(run), datetime.fromisoformat(begun["started"]), json_file, quiet)
+    return case, begun
+
+
+def live_to_the_end(case: LifeCase, path: Path, quiet: bool = False) -> None:
+    """Live the life of a case in a run folder, new or begun by the same case; nothing is done twice.
+
+    Parameters
+    ----------
+    case
+        From a folder.
+    path
+        The run folder.
+    quiet
+        Show no progress within a cycle.
+    """
+    from wearfem.life import live
+
+    if (path / "manifest.json").exists():
+        begun = read_manifest(path)
+        check_same(path, begun, manifest(case, now()))
+        if begun["finished"] is not None:
+            return
+        sweep(path)
+        folder, started = RunFolder(path), datetime.fromisoformat(begun["started"])
+    else:
+        folder, started = RunFolder.create(path), now()
+        folder.write_manifest(case, started)
+    folder.write_figures(case.measure(live(case, path, quiet)))
+    folder.write_manifest(case, started, now())
 
 
 def _as_set(value: Any) -> Any:

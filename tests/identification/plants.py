@@ -213,8 +213,16 @@ def plant(
         truth = ("FactorCurve",)  # a hump over depth: a soft band inside the plate
         parameter = {"middle_mm": float(rng.uniform(4.0, 6.0))}
         factor = lambda d, t, j: 1.0 + 1.2 * np.exp(-(((d - parameter["middle_mm"]) / 1.5) ** 2))  # noqa: E731
-    depth = march(scale * exposure, tonnage, factor, added)
+    own = np.random.default_rng(
+        [seed, NAMES.index(name), 1]
+    )  # apart, so that plants without these stay as they are
+    uneven = np.exp(own.normal(0.0, scatter, points))
+    booked = 1.0 + own.normal(0.0, book, occasions)  # what was carried, over what the book says
+    zero = zero + own.normal(0.0, campaign_zero, occasions)
+    depth = march(scale * exposure * uneven, tonnage, lambda d, t, j: factor(d, t, j) * booked[j], added)
     reading = np.round(depth + zero + rng.normal(0.0, noise, depth.shape), 3)
+    typed = own.choice(reading.size, wrong, replace=False)
+    reading.flat[typed] += 3.0 * own.choice([-1.0, 1.0], wrong)
     return Plant(
         name, truth, where, tonnage, exposure, depth, reading, noise, per_point, per_occasion, parameter
     )

@@ -310,7 +310,7 @@ def list_pairs(contact, position, radius, grid, bounds, order, old, skin, period
             found[0] = list_chunk(position, radius, grid, bounds, 0, capacity, skin, period, pairs, crossing)
         else:
             list_chunks(position, radius, grid, bounds, capacity, skin, period, pairs, crossing, found)
-        if found.max() <= capacity:
+        if found.max() < capacity:  # the last place takes what comes, so it must not be one that counts
             break
         capacity = int(found.max() * 1.1) + 1
     if chunks == 1:

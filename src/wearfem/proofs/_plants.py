@@ -5,9 +5,11 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.integrate import solve_ivp
+from scipy.signal import lfilter
 
-from wearfem.wear.jump import Bounds, Goal, Life, choose_jump, end_of_life, is_trusted
-from wearfem.wear.sampling import FEWEST_BLOCKS, Sample, steady_from
+from wearfem.wear.budget import LEAST
+from wearfem.wear.jump import Bounds, Goal, Jump, Life, choose_jump, end_of_life, is_trusted
+from wearfem.wear.sampling import Sample, steady_from
 
 RATE = 1e-9  # [m/s] about 0.1 mm a day
 ALLOWED = 10e-3  # [m]
@@ -60,16 +62,15 @@ class Flow:
     def blocks(self, depth: np.ndarray, count: int) -> np.ndarray:
         """(count, f) rates while the geometry stays"""
         rate, plant = self.plant.law(depth), self.plant
-        rows = np.empty((count, plant.facets))
         forgets = np.exp(-BLOCK / plant.delay) if plant.delay else 0.0
-        fresh = np.sqrt(1.0 - plant.memory**2) * self.random.normal(size=rows.shape)
-        for row, new in zip(rows, fresh, strict=True):
-            self.shown = rate + (self.shown - rate) * forgets
-            self.wander = plant.memory * self.wander + new
-            noise = plant.spread @ self.wander if len(plant.spread) else self.wander
-            row[:] = self.shown * (1.0 + plant.noise * noise)
+        faded = forgets ** np.arange(1, count + 1)[:, None]
+        shown = rate + (self.shown - rate) * faded
+        fresh = np.sqrt(1.0 - plant.memory**2) * self.random.normal(size=(count, plant.facets))
+        wander, _ = lfilter([1.0], [1.0, -plant.memory], fresh, axis=0, zi=plant.memory * self.wander[None])
+        self.shown, self.wander = shown[-1], wander[-1]
+        noise = wander @ plant.spread.T if len(plant.spread) else wander
         self.time += count * BLOCK
-        return rows
+        return shown * (1.0 + plant.noise * noise)
 
 
 @dataclass(frozen=True)
@@ -90,37 +91,36 @@ def by_jumps(
     """The cycle as `cycle.py` does it: sample, choose, jump, sample; reject where the jump was too bold."""
     flow, geometry = Flow.start(plant, seed), [np.zeros(plant.facets)]
     samples: tuple[Sample, ...] = ()
-    rejected, warm_up, time, window = 0, 0.0, 0.0, 0.0
+    rejected, warm_up, time = 0, 0.0, 0.0
+    jump: Jump | None = None
     while True:
-        rows = np.empty((0, plant.facets))
-        asked = max(PILOT if not samples else 8, int(np.ceil(window / BLOCK))) + int(
-            samples[0].warm_up / BLOCK if samples else 0
-        )
+        known = int(np.ceil(jump.warm_up / BLOCK)) if jump else 0
+        least = int(np.ceil(jump.window / BLOCK)) if jump else PILOT
+        rows = flow.blocks(geometry[-1], known + LEAST)
         while True:
-            rows = np.vstack((rows, flow.blocks(geometry[-1], asked)))
-            start = steady_from(rows.sum(axis=1)) if plant.delay else 0
-            start = max(start, int(samples[0].warm_up / BLOCK) if samples else 0)
-            if len(rows) - start < max(FEWEST_BLOCKS, int(window / BLOCK)):
-                asked = max(FEWEST_BLOCKS, start)
-                continue
-            trial = (*samples, Sample(time, rows[start:], BLOCK, start * BLOCK))
-            if not is_trusted(trial, goal):
-                break
-            jump = choose_jump(trial, geometry[-1], goal, bounds, at_most)
-            if jump.limited_by != "noise":
-                break
-            asked = max(int(np.ceil(jump.window / BLOCK)) - (len(rows) - start), 1)
+            start = max(steady_from(rows.sum(axis=1)) if plant.delay else 0, known)
+            steady = len(rows) - start
+            if steady >= LEAST:
+                trial = (*samples, Sample(time, rows[start:], BLOCK, start * BLOCK))
+                trusted = is_trusted(trial, goal)
+                if steady >= least and not samples:
+                    first = choose_jump(trial, geometry[-1], goal, bounds, at_most)
+                    least = int(np.ceil(first.window / BLOCK)) if first.limited_by == "noise" else least
+                if steady >= least or not trusted:
+                    break
+            rows = np.vstack((rows, flow.blocks(geometry[-1], max(least - steady, 1))))
         warm_up += start * BLOCK
-        if not is_trusted(trial, goal):
+        if trusted:
+            samples = trial
+            jump = choose_jump(samples, geometry[-1], goal, bounds, at_most)
+        else:
             rejected += 1
             geometry.pop()
-            jump = choose_jump(samples, geometry[-1], goal, bounds, 0.5 * jump.duration)
-        else:
-            samples = trial
+            jump = choose_jump(samples, geometry[-1], goal, bounds, 0.5 * (time - samples[-1].service_time))
         if jump.duration == 0.0:
             told = end_of_life(samples, goal)
             return Lived(told.time, flow.time, len(samples), told, warm_up, rejected)
-        time, window = samples[-1].service_time + jump.duration, jump.window
+        time = samples[-1].service_time + jump.duration
         geometry.append(geometry[-1] + jump.recession)
 
 

@@ -7,7 +7,7 @@ own course, as if its neighbours were as far as it is.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -33,6 +33,8 @@ class Course:
         Whether the run's surface moved while it wore.
     notes
         What a reader must know of it, in sentences.
+    service
+        (l, c) service of the run at `progress`, where something in the run changed its pace: see `at_own_pace`; None where both are one.
     """
 
     progress: np.ndarray
@@ -41,6 +43,7 @@ class Course:
     steepness: np.ndarray
     follows_shape: bool
     notes: tuple[str, ...] = ()
+    service: np.ndarray | None = None
     depth: np.ndarray = field(init=False)  # (l, c) at the samples
 
     def __post_init__(self) -> None:
@@ -73,9 +76,13 @@ class Course:
         )
 
     def state_at(self, name: str, progress: np.ndarray) -> np.ndarray:
-        """A feature (l, m) after service (l, m), straight between samples."""
+        """A feature (l, m) after service (l, m) of the run, straight between samples."""
+        clock = np.broadcast_to(self.progress, self.rate.shape) if self.service is None else self.service
         return np.stack(
-            [np.interp(at, self.progress, own) for at, own in zip(progress, self.state[name], strict=True)]
+            [
+                np.interp(at, when, own)
+                for at, when, own in zip(progress, clock, self.state[name], strict=True)
+            ]
         )
 
     @property
@@ -83,3 +90,27 @@ class Course:
         """(l, c) change of the rate by progress after each sample; none after the last, nor before the first"""
         steps = np.diff(self.rate, axis=1) / np.diff(self.progress)
         return np.concatenate([steps, np.zeros((len(self.rate), 1))], axis=1)
+
+
+def at_own_pace(course: Course, pace: np.ndarray) -> Course:
+    """The course by the service in which the case alone would have walked it, where the run walked at a pace (l, c) of its own.
+
+    A run with effects in it goes from shape to shape at the pace p of its factor and effects. After S = integral of p over service the
+    case alone would be there too, at its own rate. What is fitted along this course is the whole pace again; where that is the one which
+    the run had, the fit's depth is the run's.
+    """
+    steps = 0.5 * np.diff(course.progress) * (pace[:, 1:] + pace[:, :-1])
+    first = pace[:, :1] * course.progress[0]
+    walked = first + np.concatenate([np.zeros_like(first), np.cumsum(steps, axis=1)], axis=1)  # (l, c) S
+    common = np.unique(walked)
+
+    def on_common(value: np.ndarray) -> np.ndarray:
+        return np.stack([np.interp(common, own, v) for own, v in zip(walked, value, strict=True)])
+
+    service = on_common(np.broadcast_to(course.progress, pace.shape))
+    beyond = common > walked[:, -1:]
+    service = np.where(beyond, course.progress[-1] + (common - walked[:, -1:]) / pace[:, -1:], service)
+    return replace(
+        course, progress=common, rate=on_common(course.rate), service=service,
+        state={name: on_common(value) for name, value in course.state.items()},
+    )  # fmt: skip

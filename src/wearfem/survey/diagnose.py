@@ -22,7 +22,8 @@ NOISE_LEVEL = 0.01  # false alarms of all tests together, below which what is le
 LEAST_READINGS = 8
 PLACE = ("centre_x", "centre_y", "centre_z", "radius")  # of a patch, in metres
 SHAPE = "change of shape with wear"
-TOLD_BY_LOG = {"ore_hardness", "temperature", "calendar time", "date"}  # the same for all places
+WRITTEN_DOWN = {"ore_hardness", "temperature"}  # the same everywhere, occasion by occasion
+TOLD_BY_LOG = WRITTEN_DOWN | {"calendar time", "date"}  # the same for all places
 WIDTH_90 = 1.645  # standard deviations, 90 % of a normal distribution
 
 
@@ -248,7 +249,7 @@ def _effects(choice: Choice) -> tuple[Effect, ...]:
             alike.append(SHAPE)
         found.append(
             Effect(
-                suspect.name, _parameters(best, i, at), choice.probability(suspect.name), tuple(dict.fromkeys(alike)),
+                suspect.name, parameters_of(best, i, at), choice.probability(suspect.name), tuple(dict.fromkeys(alike)),
                 _in_words(suggested, best), suspect.quantity, suspect.name.startswith("FactorCurve"),
             )
         )  # fmt: skip
@@ -260,7 +261,7 @@ def _effects(choice: Choice) -> tuple[Effect, ...]:
 def _may_be_shape(choice: Choice, suspect: Candidate) -> bool:
     """Whether an effect may be the shape that wears: the run did not follow it, or the rate of each place goes its own way with depth"""
     course = choice.best.readings.survey.course
-    if course is not None and not course.follows_shape and suspect.quantity in {"depth", "date"}:
+    if course is not None and not course.follows_shape and suspect.quantity not in WRITTEN_DOWN:
         return True
     return bends(choice.best) and suspect.quantity not in TOLD_BY_LOG
 
@@ -275,7 +276,7 @@ def _other(fitted: Fit, best: Fit, place: int) -> list[str]:
     return [s.name for s in fitted.suspects if s.name not in have]
 
 
-def _parameters(best: Fit, place: int, at: int) -> dict[str, Parameter]:
+def parameters_of(best: Fit, place: int, at: int) -> dict[str, Parameter]:
     """Free parameters by name, with 90 % intervals; and what was kept fixed, without"""
     suspect = best.suspects[place]
     coordinate = best.coordinate[at : at + len(suspect.free)]

@@ -78,8 +78,8 @@ class Disturbance:
     """How nuisances enter the readings: (n, q) columns, and which standard deviation each has.
 
     `weight` (n,) is the variance of a reading over gauge squared; `group` (q,) is 0 zero error, 1 new thickness, 2 scatter, 3 book, 4
-    free new thickness, 5 a campaign's error in proportion, 6 smooth error of the rate, 7 of a campaign, 8 shift, 9 bend; `label` (q,) the
-    occasion, life, interval, function or axis.
+    free new thickness (of a life, or common to all, with the number of lives for a label), 5 a campaign's error in proportion, 6 smooth
+    error of the rate, 7 of a campaign, 8 shift, 9 bend; `label` (q,) the occasion, life, interval, function or axis.
     """
 
     column: np.ndarray
@@ -144,6 +144,7 @@ def disturbance(
     add(by_life, 4 if thickness_free else 1)
     if thickness_free:
         add(np.ones((rows, 1)), 4)
+        labels[-1] = np.array([lives])  # common to all plates, and of none
     weight = np.where(np.isfinite(survey.sigma), survey.sigma / told, 1.0) ** 2
     return Disturbance(np.concatenate(columns, 1), np.concatenate(groups), np.concatenate(labels), weight)
 

@@ -63,6 +63,8 @@ class Survey:
         Where the rows come from.
     taken_as_replaced
         Points whose plate was taken to be replaced because the wear vanished, where no specimens are told.
+    zone
+        What the survey calls the zone of each point, where it has a column of that name; empty if not.
     mechanisms
         Names of the exposures where there are several: `sliding` of a column `exposure_sliding`.
     course
@@ -91,6 +93,7 @@ class Survey:
     feature: Mapping[str, np.ndarray]
     source: str
     taken_as_replaced: tuple[str, ...] = ()
+    zone: tuple[str, ...] = ()
     mechanisms: tuple[str, ...] = ()
     course: Course | None = None
 
@@ -152,7 +155,9 @@ def read_survey(path: Path, *, progress: str = "", exposure: Path | None = None)
         table["specimen"] = [str(number) for number in plate]
         replaced = tuple(point_names[p] for p in np.unique(point[plate > 0]))
     life, life_point, life_start = _lives(path, table, point, at, clock)
-    feature, exposed, mechanisms = _features(path, table, {"point", "occasion", "specimen", clock, measured})
+    feature, exposed, mechanisms = _features(
+        path, table, {"point", "occasion", "specimen", "zone", clock, measured}
+    )
     known = exposed is not None
     if exposure is not None:
         if known:
@@ -169,7 +174,7 @@ def read_survey(path: Path, *, progress: str = "", exposure: Path | None = None)
         reading, MEASURED[told.quantity],
         measured, told.unit, told.factor, sigma, _beside(path, table, "initial", told.factor),
         life_point, life_start, np.ones(len(at)) if exposed is None else exposed, known, feature, str(path), replaced,
-        mechanisms,
+        _zones(path, table, point_names), mechanisms,
     )  # fmt: skip
 
 
@@ -200,6 +205,21 @@ def _measured_column(path: Path, table: Mapping[str, list[str]]) -> str:
     if not column(found[0]).unit:
         raise UserError(f"{path} has a column {found[0]} without unit; write it like {found[0]}_mm")
     return found[0]
+
+
+def _zones(path: Path, table: Mapping[str, list[str]], points: tuple[str, ...]) -> tuple[str, ...]:
+    """The zone of each point; nothing where there is no such column."""
+    if "zone" not in table:
+        return ()
+    named = {
+        point: {z for p, z in zip(table["point"], table["zone"], strict=True) if p == point}
+        for point in points
+    }
+    if doubled := [point for point, zones in named.items() if len(zones) > 1]:
+        raise UserError(
+            f"{path} has point {doubled[0]} in the zones {in_words(sorted(named[doubled[0]]))}; a point belongs to one zone"
+        )
+    return tuple(next(iter(zones)) or "no zone" for zones in named.values())
 
 
 def _occasions(table: Mapping[str, list[str]], at: np.ndarray) -> tuple[np.ndarray, tuple[str, ...]]:

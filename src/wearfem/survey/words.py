@@ -3,10 +3,14 @@
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+import numpy as np
+
 from wearfem.errors import in_words
+from wearfem.survey.backtest import NAMES, BackTest
 from wearfem.survey.calibrate import Calibration
 from wearfem.survey.diagnose import NOISE_LEVEL, PLACE, Diagnosis, Effect, Parameter, Score
 from wearfem.survey.doubt import Doubt
+from wearfem.survey.forecast import SHARE, End, Forecast
 from wearfem.survey.residual import NoiseTest
 from wearfem.survey.survey import Survey
 
@@ -48,7 +52,7 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
     ]
     for effect in found.effects:
         rows.append(
-            ("missing effect", f"{_effect(effect, found.survey)}, probability {effect.probability:.2f}")
+            ("missing effect", f"{effect_words(effect, found.survey)}, probability {effect.probability:.2f}")
         )
         others = (
             in_words(effect.indistinguishable_from, "or")
@@ -65,6 +69,15 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
                 ("", f"without the held-out readings the choice would have been: {in_words(list(without))}")
             )
     rows.append(("verdict", VERDICT[found.verdict]))
+    course = found.survey.course
+    if found.effects and course is not None and not course.follows_shape:
+        rows.append(
+            (
+                "",
+                "the run kept the geometry as new: what is found may be the change of shape; run the case with its geometry moving, and "
+                "diagnose along that run",
+            )
+        )
     if found.effects and found.effects[0].suggested_measurement:
         rows.append(("measure next", found.effects[0].suggested_measurement))
     rows += [("note", note) for note in found.notes]
@@ -137,16 +150,24 @@ def _nuisances(found: Diagnosis) -> list[str]:
     return told
 
 
-def _effect(effect: Effect, survey: Survey) -> str:
-    says = (
+def says(effect: Effect) -> str:
+    """What an effect says, without numbers."""
+    return (
         SAYS.get(effect.name)
         or f"a factor that follows {effect.quantity}, as a curve (tabulated, no formula)"
     )
-    shown = [_parameter(n, p, survey) for n, p in effect.parameters.items() if p.interval or n in PLACE]
-    return f"{says} [{effect.name}]: {', '.join(shown)}"
 
 
-def _parameter(name: str, parameter: Parameter, survey: Survey) -> str:
+def effect_words(effect: Effect, survey: Survey) -> str:
+    """An effect with its parameters and their intervals."""
+    shown = [
+        parameter_in_words(n, p, survey) for n, p in effect.parameters.items() if p.interval or n in PLACE
+    ]
+    return f"{says(effect)} [{effect.name}]: {', '.join(shown)}"
+
+
+def parameter_in_words(name: str, parameter: Parameter, survey: Survey) -> str:
+    """A parameter with its interval and its unit."""
     unit = parameter.unit.replace("progress", survey.progress_unit or survey.progress_name)
     factor, unit = (1e3, "mm") if unit == "m" and name not in PLACE else (1.0, unit)
     factor, unit = (1e-3, "1/mm") if unit == "1/m" and name == "loss" else (factor, unit)
@@ -232,3 +253,142 @@ def calibration_values(found: Calibration) -> dict[str, Any]:
         "doubted": found.doubts,
         "noise_tests": found.tests,
     }
+
+
+SHOWN = 6  # points that come to the limit first
+
+
+def forecast_lines(found: Forecast) -> list[str]:
+    """A forecast as lines for a screen: when the limit is reached, by model, for zones and for the points that come first."""
+    unit = progress_unit(found.survey)
+    rows = [("limit", f"{limit_words(found)}; service goes on as it did{_pace(found)}")]
+    lines = list(_wrapped(rows))
+    if found.limit is None:
+        return lines
+    lines += _wrapped([("worn out at", f"service in {unit}, by")])
+    lines.append(f"{'':<18}" + "".join(f"{o.name:<26}" for o in found.outlooks).rstrip())
+    last = found.outlooks[-1]
+    for names, end_at in ((found.zones, found.of_zone), (first_points(found)[:SHOWN], found.of_place)):
+        for name in dict.fromkeys(names):
+            ends = [end_at(outlook, name) for outlook in found.outlooks]
+            lines.append(
+                f"{name[:16]:<18}" + "".join(f"{end_words(end, found):<26}" for end in ends).rstrip()
+            )
+    if found.next_stop is not None:
+        zones = [found.of_zone(last, zone) for zone in dict.fromkeys(found.zones)]
+        told = [f"{end.place} {end.reaches:.0%}" for end in zones if end.reaches is not None]
+        lines += _wrapped(
+            [("next stop", f"at {found.next_stop:.4g} {unit} is reached by {in_words(told)} ({last.name})")]
+        )
+    told_as = (
+        f"median and interval of {SHARE:.0%}; nothing is told beyond {found.progress[-1]:.4g} {unit} (>)"
+    )
+    return [*lines, *_wrapped([("note", told_as)])]
+
+
+def first_points(found: Forecast) -> list[str]:
+    """Names of points, those first that come to the limit first by the last model."""
+    end = {place: found.of_place(found.outlooks[-1], place).median for place in dict.fromkeys(found.places)}
+    return sorted(end, key=lambda place: (np.isnan(end[place]), end[place]))
+
+
+def progress_unit(survey: Survey) -> str:
+    """The unit of service, or the name of its column where that has none"""
+    return survey.progress_unit or survey.progress_name
+
+
+def limit_words(found: Forecast) -> str:
+    """The limit in words: what is left, or what is lost."""
+    if found.limit is None:
+        return "none was given: wear is told, and no life"
+    survey = found.survey
+    value = f"{found.limit / survey.measured_factor:.4g} {survey.measured_unit}"
+    quantity = survey.measured_name.removesuffix(f"_{survey.measured_unit}").replace("_", " ")
+    return (
+        f"{quantity} of {value} must be left"
+        if survey.sign < 0.0
+        else f"{quantity} of {value} may be reached"
+    )
+
+
+def _pace(found: Forecast) -> str:
+    if found.days is None:
+        return ""
+    return f", {1.0 / found.days:.3g} {progress_unit(found.survey)} a day"
+
+
+def end_words(end: End, found: Forecast) -> str:
+    """An end of life with its interval in a few words, in the unit of service."""
+    if np.isnan(end.median):
+        return "no reading, no line"
+    far = f">{found.progress[-1]:.4g}"
+    low, high = (f"{value:.4g}" if np.isfinite(value) else far for value in end.interval)
+    if end.interval[1] <= found.now:
+        return "limit passed"
+    middle = f"{end.median:.4g}" if np.isfinite(end.median) else far
+    return middle if low == high == far else f"{middle} ({low} to {high})"
+
+
+def forecast_values(found: Forecast) -> dict[str, Any]:
+    """A forecast as JSON has it; null stands for beyond reach."""
+    survey = found.survey
+    factor = survey.measured_factor
+
+    def told(end: End) -> dict[str, Any]:
+        return {
+            "place": end.place, "worn_out_at": end.median, "interval": end.interval, "beyond_reach": end.beyond,
+            "remaining": end.median - found.now, "reaches_next_stop": end.reaches,
+        }  # fmt: skip
+
+    return {
+        "limit": None if found.limit is None else found.limit / factor,
+        "measured": survey.measured_name,
+        "progress": survey.progress_name,
+        "now": found.now,
+        "next_stop": found.next_stop,
+        "reach": float(found.progress[-1]),
+        "share_of_intervals": SHARE,
+        "days_by_progress": found.days,
+        "models": [
+            {
+                "name": outlook.name,
+                "zones": [told(found.of_zone(outlook, zone)) for zone in dict.fromkeys(found.zones)],
+                "points": [told(found.of_place(outlook, place)) for place in dict.fromkeys(found.places)],
+            }
+            for outlook in found.outlooks
+            if found.limit is not None
+        ],
+    }
+
+
+def back_test_lines(found: BackTest, survey: Survey) -> list[str]:
+    """A back-test as lines for a screen."""
+    if not found.occasions:
+        return list(_wrapped([("back-test", "four occasions are needed to foretell one; there are fewer")]))
+    said = f"{len(found.occasions)} occasions foretold from those before them, {found.readings} readings"
+    lines = list(_wrapped([("back-test", said)]))
+    for name, rmse, share in zip(NAMES, found.rmse / survey.measured_factor, found.coverage, strict=True):
+        words = f"{name:<24} error {rmse:.3g} {survey.measured_unit}"
+        lines.append(f"{'':<18}{words:<46} {share:.0%} of readings in the {SHARE:.0%} interval")
+    return lines
+
+
+def back_test_values(found: BackTest, survey: Survey) -> dict[str, Any]:
+    """A back-test as JSON has it, errors in the measured unit."""
+    factor = survey.measured_factor
+    if not found.occasions:
+        return {"readings": 0, "models": [], "occasions": []}
+    return {
+        "readings": found.readings,
+        "models": [
+            {"name": name, "rmse": rmse, "coverage": share}
+            for name, rmse, share in zip(NAMES, found.rmse / factor, found.coverage, strict=True)
+        ],
+        "occasions": [
+            {
+                "occasion": f.occasion, "progress": f.progress, "readings": f.error.shape[1], "named": f.named,
+                "rmse": f.rmse / factor, "coverage": f.held.mean(axis=1),
+            }
+            for f in found.occasions
+        ],
+    }  # fmt: skip

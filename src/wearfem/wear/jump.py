@@ -21,14 +21,15 @@ from dataclasses import dataclass, field, replace
 from statistics import NormalDist
 
 import numpy as np
-from scipy.special import ndtr
 
 from wearfem.errors import UserError
-from wearfem.wear.sampling import ROUNDING, Sample, statistical_inefficiency
+from wearfem.wear.budget import LEAST, Plan, cheapest_plan
+from wearfem.wear.sampling import ROUNDING, Sample, lag_products, noise_density, statistical_inefficiency
 
 LARGEST_GROWTH = 2.0  # a jump over the one before: Adams-Bashforth 2 is zero-stable below 1 + sqrt(2)
 FIRST_BEND = 2.0  # r'' L^2 / r taken until the samples tell it: of a rate that grows fourfold in a life
-INDEPENDENT = 20  # blocks in the first sample: its variance is known within a third, sqrt(2/20)
+INDEPENDENT = 10  # blocks in the first sample: its variance is known within a half, sqrt(2/10)
+LATEST = 16  # samples that may tell of the present bend
 SURPRISE = 1.0 / np.sqrt(3.0)  # rms of where in a jump a sudden change came, over half the jump
 
 
@@ -96,6 +97,7 @@ class Jump:
     acceleration: float  # service seconds per simulated second of this cycle
     window: float  # [s] of steady flow that the next sample needs
     recession: np.ndarray = field(repr=False)  # (f,) [m] by which the surface moves, never negative
+    warm_up: float = 0.0  # [s] of flow to throw away after the jump
 
 
 @dataclass(frozen=True)
@@ -150,27 +152,24 @@ def choose_jump(
     course = _Course.along(samples, goal)
     ahead = corrected_depth(samples) - depth
     last = now.service_time - samples[-2].service_time if cycles > 1 else 0.0
-    longest = {"growth": LARGEST_GROWTH * last if last else np.inf, "asked": at_most}
-    longest |= (bounds or Bounds()).durations(now.mean)
-
-    budget = goal.tolerance * course.life
-    share, deviation = _cheapest_share(course, goal, min(longest.values()))
-    longest["jump error"] = _longest_for_bias(course, share * budget)
+    longest = {"asked": at_most} | (bounds or Bounds()).durations(now.mean)
+    foreseen = _foreseen(samples, goal, course)
+    plan = _plan(foreseen, goal, min(longest.values()))
+    longest |= {"growth": LARGEST_GROWTH * last if last else np.inf, "jump error": plan.jump}
     limited_by = min(longest, key=lambda name: longest[name])
-    left = course.left if course.left > budget else 0.0
+    left = foreseen.left if course.left > goal.tolerance * course.life else 0.0
     parts = np.ceil(left / longest[limited_by] - 1e-9)
     duration = left / parts if parts > 0 else 0.0
     if parts <= 1:
         limited_by = "end of life"
 
-    allowed = (deviation * budget) ** 2
     if cycles == 1:
-        window = _window_needed(course, 0.0, duration, course.left, allowed)
+        window = _window_needed(course, 0.0, duration, course.left, plan.variance)
         window = max(window, INDEPENDENT * now.block * statistical_inefficiency(now.rate))
         if window > 1.1 * now.window:  # a tenth is not worth asking twice
             return Jump(0.0, "noise", 0.0, 0.0, window, np.zeros_like(now.mean))
     after = min(duration, left - duration)
-    window = _window_needed(course, duration, after, left - duration, allowed)
+    window = max(_window_needed(course, duration, after, left - duration, plan.variance), course.least)
     bias, noise = duration**3 * course.bend / 12.0, duration * course.noise[-1]
     recession = np.maximum(ahead + duration * (now.mean + 0.5 * duration * _slope(samples, course)), 0.0)
     return Jump(
@@ -180,22 +179,28 @@ def choose_jump(
         duration / (now.window + now.warm_up),
         window,
         recession,
+        plan.warm_up,
     )
 
 
 def is_trusted(samples: Sequence[Sample], goal: Goal) -> bool:
-    """Whether the jump that led to the last sample may be kept.
+    """Whether the jump that led to the last sample may be kept. The first blocks of a sample are enough to ask.
 
     If not, take back the liner before it, drop the last sample and choose again with `at_most` half as long. A jump fails if the
-    corrector differs from the predictor by so much, beyond three times its noise, that a sudden change at an unknown moment of it may
-    use half of the bias allowed. Three, since every false alarm costs a sample and, where the rate bends up, keeps the low ones.
+    corrector differs from the predictor by so much, beyond three times its noise, that going back is cheaper than what a sudden change
+    at an unknown moment of the jump costs. That is a variance v of life; with V allowed and S seconds of sampling planned, S v / (V - v)
+    more seconds make up for it. Three, since every false alarm costs a sample and, where the rate bends up, keeps the low ones.
     """
     if len(samples) < 3:
         return True
     course = _Course.along(samples, goal)
+    plan = _plan(course, goal, np.inf)
     surprise, noise = course.surprise(len(samples) - 1)
-    share, _ = _cheapest_share(course, goal, np.inf)
-    return SURPRISE * max(abs(surprise) - 3.0 * noise, 0.0) < 0.5 * share * goal.tolerance * course.life
+    variance = (SURPRISE * max(abs(surprise) - 3.0 * noise, 0.0)) ** 2
+    price = 2.0 * (
+        plan.warm_up + course.least
+    )  # of the sample dropped and the one more that a shorter jump needs
+    return variance * (plan.sampling + price) <= plan.variance * price
 
 
 def end_of_life(samples: Sequence[Sample], goal: Goal) -> Life:
@@ -212,92 +217,115 @@ def end_of_life(samples: Sequence[Sample], goal: Goal) -> Life:
         depth = depth + gain
     on = np.isinf(time) & (samples[-1].mean > 0.0)
     time[on] = samples[-1].service_time + ((goal.allowed_depth - depth)[on] / samples[-1].mean[on])
-    variance, sudden = course.spent_noise, sum(course.sudden(jump) for jump in range(1, len(samples)))
     facet = int(np.argmin(time))
-    return Life(float(time[facet]), facet, course.spent_bias, float(np.sqrt(variance + sudden)))
+    return Life(float(time[facet]), facet, course.spent_bias, float(np.sqrt(course.spent_noise)))
 
 
 @dataclass(frozen=True)
 class _Course:
-    """The samples seen from where life ends first: one relative rate, its bend, and the time that is left."""
+    """The samples seen from where life ends first: one relative rate, its slope and bend, and the time that is left.
+
+    What was learnt before a sudden change says nothing of the course after it: slopes and bends are those of the present layer.
+    """
 
     time: np.ndarray  # (n,) [s]
     relative: np.ndarray  # (n,) [-] rate over the present one
     relative_error: np.ndarray  # (n,) [-] of `relative`
-    noise: np.ndarray  # (n,) [-] standard error of a facet's rate over the rate
+    noise_density: float  # [s] relative variance of a facet's rate times the window
     window: np.ndarray  # (n,) [s]
-    warm_up: float  # [s] mean
+    memory: float  # [s] in which the flow forgets most (1 - 1/e) of a change
+    block: float  # [s]
     weight: np.ndarray  # (f,)
     rate: float  # [m/s] present, weighted
     left: float  # [s]
-    bend: (
-        float  # [1/s2] |r''| / r beyond twice its noise; the expected one where the noise is larger than that
-    )
+    layer: np.ndarray  # (n,) the first sample of the layer that each was taken in
+    slope: float = 0.0  # [1/s] r' / r beyond its noise; the expected one where that is larger
+    bend: float = 0.0  # [1/s2] |r''| / r likewise, beyond twice its noise
 
     @property
     def life(self) -> float:
         """[s]"""
         return float(self.time[-1]) + self.left - float(self.time[0])
 
+    @property
+    def least(self) -> float:
+        """[s] of the shortest sample"""
+        return LEAST * self.block
+
     @classmethod
     def along(cls, samples: Sequence[Sample], goal: Goal) -> "_Course":
         now = samples[-1]
         weight, left = _where_life_ends(samples, goal)
-        rate = now.weighted(weight)[0]
-        seen = np.array([sample.weighted(weight) for sample in samples]) / rate
-        share = weight * now.mean / rate
-        noise = np.array([np.sqrt(share @ _over(sample.error, sample.mean) ** 2) for sample in samples])
+        series = [sample.rate @ weight for sample in samples]
+        mean = np.array([one.mean() for one in series])
+        relative = [one / value - 1.0 for one, value in zip(series, mean, strict=True)]
+        together = noise_density(
+            [lag_products(one[:, None]) for one in relative], sum(one @ one for one in relative), now.block
+        )
+        share = weight * now.mean / mean[-1]
+        facets = noise_density(
+            [sample.lag_products / sample.mean.sum() ** 2 for sample in samples],
+            share @ sum(sample.squares for sample in samples),
+            now.block,
+        )
         window = np.array([sample.window for sample in samples])
         course = cls(
             time=np.array([sample.service_time for sample in samples]),
-            relative=seen[:, 0],
-            relative_error=np.sqrt(_density(seen[:, 1] / seen[:, 0], window) / window) * seen[:, 0],
-            noise=np.sqrt(_density(noise, window) / window),
+            relative=mean / mean[-1],
+            relative_error=np.sqrt(together / window) * mean / mean[-1],
+            noise_density=float(facets),
             window=window,
-            warm_up=float(np.mean([sample.warm_up for sample in samples])),
+            memory=_memory(samples[0], weight),
+            block=now.block,
             weight=weight,
-            rate=rate,
+            rate=float(mean[-1]),
             left=left,
-            bend=0.0,
+            layer=np.zeros(len(samples), int),
         )
+        for jump in range(1, len(samples)):
+            course.layer[jump] = jump if course.sudden(jump) else course.layer[jump - 1]
         slope, slope_error = course.fit(len(samples), 1)
         bend, bend_error = course.fit(len(samples), 2)
         slope *= _kept(slope, slope_error)
         left = float(_time_to_wear(np.array(left), np.array(1.0), np.array(slope)))
         expected = FIRST_BEND / (now.service_time - samples[0].service_time + left) ** 2
         bend = abs(bend) * np.sqrt(_kept(bend, 2.0 * bend_error))
-        return replace(course, left=left, bend=max(bend, expected) if bend_error > expected else bend)
+        return replace(
+            course,
+            left=left,
+            slope=max(abs(slope), np.sqrt(expected)) if slope_error > np.sqrt(expected) else abs(slope),
+            bend=max(bend, expected) if bend_error > expected else bend,
+        )
 
     def fit(self, count: int, degree: int) -> tuple[float, float]:
         """The derivative of this degree of the relative rate at the latest of the first `count` samples, and its standard error
         [1/s^degree].
 
-        From a polynomial of this degree through as many of the latest samples as it fits: chi^2 within three deviations of its
-        expectation.
+        From a polynomial of this degree through as many of the latest samples of the layer as it fits: chi^2 within three deviations
+        of its expectation.
         """
-        if count <= degree:
+        used = min(count - self.layer[count - 1], LATEST)
+        if used <= degree:
             return 0.0, np.inf
-        time, value = (
-            self.time[:count] - self.time[count - 1],
-            self.relative[:count] / self.relative[count - 1],
-        )
-        error = np.maximum(self.relative_error[:count] / self.relative[count - 1], np.sqrt(ROUNDING))
-        for used in range(count, degree, -1):
-            t, v, e = time[-used:], value[-used:], error[-used:]
-            rows = np.vander(t / -t[0], degree + 1, increasing=True) / e[:, None]
-            answer, *_ = np.linalg.lstsq(rows, v / e, rcond=None)
-            chi2, freedom = float(np.square(rows @ answer - v / e).sum()), used - degree - 1
-            if freedom and chi2 > freedom + 3.0 * np.sqrt(2.0 * freedom):
-                continue
-            scale = degree / (-t[0]) ** degree  # degree! / length^degree for 1 and 2
-            deviation = float(np.sqrt(np.linalg.inv(rows.T @ rows)[degree, degree]))
-            break
+        while True:
+            latest = slice(count - used, count)
+            time = self.time[latest] - self.time[count - 1]
+            value, error = self.relative[latest], self.relative_error[latest]
+            error = np.maximum(error, np.sqrt(ROUNDING) * value)
+            rows = np.vander(time / -time[0], degree + 1, increasing=True) / error[:, None]
+            answer, *_ = np.linalg.lstsq(rows, value / error, rcond=None)
+            chi2, freedom = float(np.square(rows @ answer - value / error).sum()), used - degree - 1
+            if not freedom or chi2 <= freedom + 3.0 * np.sqrt(2.0 * freedom):
+                break
+            used = max(degree + 1, 3 * used // 4)
+        scale = degree / (-time[0]) ** degree / answer[0]  # degree! / length^degree for 1 and 2
+        deviation = float(np.sqrt(np.linalg.inv(rows.T @ rows)[degree, degree]))
         return float(answer[degree]) * scale, deviation * scale
 
     @property
-    def noise_density(self) -> float:
-        """[s] relative variance of the rate times the window, from all windows"""
-        return _density(self.noise, self.window)
+    def noise(self) -> np.ndarray:
+        """(n,) [-] standard error of a facet's rate over the rate"""
+        return np.sqrt(self.noise_density / self.window)
 
     @property
     def quadrature(self) -> np.ndarray:
@@ -307,22 +335,28 @@ class _Course:
 
     @property
     def spent_noise(self) -> float:
-        """[s2] variance of life from the samples so far"""
-        return float(np.square(self.quadrature * self.noise).sum())
+        """[s2] variance of life from the samples so far, and from sudden changes"""
+        sudden = sum(self.sudden(jump) for jump in range(1, len(self.time)) if self.layer[jump] == jump)
+        return float(np.square(self.quadrature * self.noise).sum()) + sudden
 
     @property
     def spent_bias(self) -> float:
         """[s] signed, of the jumps so far: the trapezoid rule gains D^3 r'' / 12 too much depth, so life is told too short"""
         total = 0.0
         for jump in range(1, len(self.time)):
-            if self.sudden(jump):
+            if self.layer[jump] == jump:
                 continue
             bend, error = self.fit(max(jump + 1, min(3, len(self.time))), 2)
             total -= (self.time[jump] - self.time[jump - 1]) ** 3 * bend * _kept(bend, error) / 12.0
         return total
 
     def surprise(self, jump: int) -> tuple[float, float]:
-        """Corrector minus predictor of a jump [s], and its standard deviation from sampling: the embedded pair."""
+        """Corrector minus predictor of a jump [s], and its standard deviation from sampling: the embedded pair.
+
+        Nothing where the layer that the jump began in has but one sample.
+        """
+        if jump - self.layer[jump - 1] < 2:
+            return 0.0, 0.0
         step, before = np.diff(self.time[jump - 2 : jump + 1])[::-1]
         ratio = step / before
         part = np.array([ratio, -1.0 - ratio, 1.0])
@@ -335,19 +369,24 @@ class _Course:
 
         Sudden is a surprise of three deviations and four times the one that the bend before it foretells.
         """
-        if jump < 3:
+        if jump - self.layer[jump - 1] < 3:
             return 0.0
         surprise, noise = self.surprise(jump)
+        if abs(surprise) <= 3.0 * noise:
+            return 0.0
         step, before = np.diff(self.time[jump - 2 : jump + 1])[::-1]
         foretold = 0.25 * step**2 * (step + before) * abs(self.fit(jump, 2)[0])
-        if abs(surprise) < max(3.0 * noise, 4.0 * foretold):
+        if abs(surprise) <= 4.0 * foretold:
             return 0.0
-        return (SURPRISE * surprise) ** 2 - noise**2 * SURPRISE**2
+        return float((SURPRISE * surprise) ** 2 - noise**2 * SURPRISE**2)
 
 
-def _density(noise: np.ndarray, window: np.ndarray) -> float:
-    """[s] relative variance of a mean rate times its window: one number from all windows, long ones count for more"""
-    return float((noise * window) @ (noise * window) / window.sum())
+def _memory(first: Sample, weight: np.ndarray) -> float:
+    """[s] after which 1/e is left of a change of the flow: from 1 to the scatter of a block in the first warm-up, where it was lost to
+    sight."""
+    series = first.rate @ weight
+    scatter = float(series.std() / series.mean())
+    return first.warm_up / max(np.log(1.0 / max(scatter, np.sqrt(ROUNDING))), 1.0)
 
 
 def _where_life_ends(samples: Sequence[Sample], goal: Goal) -> tuple[np.ndarray, float]:
@@ -365,35 +404,19 @@ def _where_life_ends(samples: Sequence[Sample], goal: Goal) -> tuple[np.ndarray,
     return weight / weight.sum(), shortest
 
 
-def _longest_for_bias(course: _Course, allowed: float) -> float:
-    """The jump whose bias, repeated over the life, makes up what is allowed [s]: D^2 r'' / (12 r) = allowed / life"""
-    return float(np.sqrt(12.0 * allowed / course.life * _inverse(course.bend)))
-
-
-def _cheapest_share(course: _Course, goal: Goal, longest: float) -> tuple[float, float]:
-    """How bias and noise divide the tolerance e, so that warm-ups and samples cost least.
-
-    With a bias b e and a standard deviation s(b) e such that a normal error lies within e with the confidence asked, a life takes
-    life / D(b) warm-ups and samples of (noise density) / (s e)^2 seconds in all. Returns b and s.
-    """
-    share = np.linspace(0.02, 0.9, 89)
-    deviation = _deviation_beside(share, goal.confidence)
-    jump = np.minimum(np.sqrt(share) * _longest_for_bias(course, goal.tolerance * course.life), longest)
-    cost = course.warm_up * course.life / jump + course.noise_density / (goal.tolerance * deviation) ** 2
-    if np.isclose(cost.min(), cost.max(), rtol=1e-9):  # neither costs anything
-        return 0.5, float(deviation[np.searchsorted(share, 0.5)])
-    best = int(np.argmin(cost))
-    return float(share[best]), float(deviation[best])
-
-
-def _deviation_beside(bias: np.ndarray, confidence: float) -> np.ndarray:
-    """The standard deviation s with which b + s N lies within -1 and 1 with the confidence; by bisection"""
-    low, high = np.full_like(bias, 1e-3), np.full_like(bias, 100.0)
-    for _ in range(60):
-        middle = np.sqrt(low * high)
-        inside = ndtr((1.0 - bias) / middle) - ndtr((-1.0 - bias) / middle) > confidence
-        low, high = np.where(inside, middle, low), np.where(inside, high, middle)
-    return low
+def _plan(course: _Course, goal: Goal, longest: float) -> Plan:
+    """The cheapest way through the life as it is known now, no jump longer than `longest` [s]."""
+    return cheapest_plan(
+        course.life,
+        longest,
+        change=course.slope * course.life,
+        bend=course.bend * course.life**2,
+        noise_density=course.noise_density,
+        memory=course.memory,
+        block=course.block,
+        tolerance=goal.tolerance,
+        confidence=goal.confidence,
+    )
 
 
 def _window_needed(course: _Course, before: float, after: float, left: float, allowed: float) -> float:
@@ -410,9 +433,18 @@ def _window_needed(course: _Course, before: float, after: float, left: float, al
     return course.noise_density * stands_for * 0.5 * (before + after) / still
 
 
+def _foreseen(samples: Sequence[Sample], goal: Goal, course: _Course) -> _Course:
+    """What the samples before the last one say of the time that is left; all of them where they cannot know."""
+    if len(samples) < 3 or course.layer[-1] == len(samples) - 1:
+        return course
+    before = _Course.along(samples[:-1], goal)
+    left = before.left - (course.time[-1] - before.time[-1])
+    return replace(before, left=left, time=course.time) if left > goal.tolerance * course.life else course
+
+
 def _slope(samples: Sequence[Sample], course: _Course) -> np.ndarray:
-    """(f,) [m/s2] between the last two samples, kept so far as it stands out of the noise"""
-    if len(samples) < 2:
+    """(f,) [m/s2] between the last two samples of one layer, kept so far as it stands out of the noise"""
+    if course.layer[-1] == len(samples) - 1:
         return np.zeros_like(samples[-1].mean)
     before, now = samples[-2:]
     change = now.mean - before.mean

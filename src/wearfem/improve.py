@@ -1,0 +1,338 @@
+"""Closing the loop: what a survey asks for enters the case, the coupled run is repeated with it, and refitted until both agree.
+
+A run is walked by its own course: depth and shape by service. What the readings say of the coefficient and the effects changes the pace
+of that walk, and with it the shape that the flow meets. So the run is repeated with what was found, and the readings are fitted along the
+new course, until no parameter moves by more than a part of its standard deviation. Readings held out are fitted in no round.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from wearfem.case import LifeCase, load_any_case
+from wearfem.case_file import write_case
+from wearfem.errors import UserError
+from wearfem.exposure import PutIn, exposed_by_run
+from wearfem.run import case_of_run, live_to_the_end
+from wearfem.survey.candidates import Candidate, Suspect
+from wearfem.survey.choose import SURE
+from wearfem.survey.diagnose import Diagnosis, Effect, Score, diagnose, held_out
+from wearfem.survey.history import History, Model, depths
+from wearfem.survey.identify import COEFFICIENT_PRIOR, Fit, Readings, fit, readings
+from wearfem.survey.in_service import Service, in_service, service
+from wearfem.survey.survey import Survey
+
+PART = 0.25  # of a standard deviation: a parameter that changes by less is the same
+ROUNDS = 6  # coupled runs at most
+
+
+@dataclass(frozen=True)
+class Told:
+    """What readings say along the course of a run: a factor on the wear law, and effects.
+
+    Parameters
+    ----------
+    factor
+        [-] coefficient over that of the case.
+    effects
+        In the units of the survey.
+    place, deviation
+        (1 + d,) the logarithm of the factor and the coordinates of the effects, and their standard deviations.
+    fitted
+        The fit behind it; None for the coefficient alone.
+    """
+
+    factor: float
+    effects: tuple[Suspect, ...]
+    place: np.ndarray
+    deviation: np.ndarray
+    fitted: Fit | None = None
+
+    def change(self, before: "Told") -> float:
+        """The largest change of a parameter [its standard deviations]"""
+        free = self.deviation > 0.0
+        return float(np.max(np.abs(self.place - before.place)[free] / self.deviation[free]))
+
+
+@dataclass(frozen=True)
+class Round:
+    """One coupled run: with what, where it lies, and what the readings say along it.
+
+    Parameters
+    ----------
+    case, run
+        Folders.
+    put_in
+        What the run had.
+    told
+        What the readings held in say along its course.
+    change
+        [standard deviations] largest, from `put_in` to `told`.
+    """
+
+    case: Path
+    run: Path
+    put_in: Told
+    told: Told
+    change: float
+
+
+@dataclass(frozen=True)
+class Improvement:
+    """A case with what the readings asked for, before and after.
+
+    Parameters
+    ----------
+    plain
+        The case as it was.
+    diagnosis
+        Along the run that was given.
+    held
+        (n,) readings that no round saw, of those that were not doubted.
+    coefficient_rounds, rounds
+        Coupled runs with the coefficient alone, and with the effects too (the same where none was found).
+    as_given, coefficient_alone, improved
+        Errors of coupled runs against the readings as they were read: no zero errors or the like are taken off.
+    no_better
+        Whether the effects were found, but in the coupled run do not predict readings held out; then `rounds` are without them.
+    again
+        The diagnosis along the last run, where that was asked.
+    """
+
+    plain: LifeCase
+    diagnosis: Diagnosis
+    held: np.ndarray
+    coefficient_rounds: tuple[Round, ...]
+    rounds: tuple[Round, ...]
+    as_given: Score
+    coefficient_alone: Score
+    improved: Score
+    no_better: bool
+    again: Diagnosis | None
+
+    def write(self, folder: Path, story: str) -> Path:
+        """Write the improved case: the last round's, without its stop at the last reading."""
+        case = load_any_case(self.last.case)
+        assert isinstance(case, LifeCase) and self.plain.folder is not None
+        return write_case(
+            folder, self.plain.folder, self.plain.settings, self.last.put_in.factor,
+            case.effects[len(self.plain.effects) :], story,
+        )  # fmt: skip
+
+    @property
+    def last(self) -> Round:
+        """The coupled run that the improved case repeats"""
+        return self.rounds[-1]
+
+    @property
+    def effects(self) -> tuple[Effect, ...]:
+        """What the improved case has beside another coefficient"""
+        fitted = self.last.put_in.fitted
+        names = [] if fitted is None else [suspect.name for suspect in fitted.suspects]
+        return tuple(effect for effect in self.diagnosis.effects if effect.name in names)
+
+    @property
+    def agreed(self) -> bool:
+        """Whether run and readings came to agree within the rounds allowed"""
+        return self.rounds[-1].change < PART and self.coefficient_rounds[-1].change < PART
+
+
+def improve(
+    survey: Survey,
+    run: Path,
+    out: Path,
+    *,
+    found: Diagnosis | None = None,
+    rounds: int = ROUNDS,
+    diagnose_again: bool = True,
+    quiet: bool = False,
+    say: Callable[[str], None] = print,
+) -> Improvement:
+    """Diagnose a survey along a run, put into the case what it asks for, and repeat the coupled run until both agree.
+
+    Parameters
+    ----------
+    survey
+        As it was read, without exposure.
+    run
+        The folder of a life of the case, whose shape changed as it wore.
+    out
+        Folder for the cases and runs of all rounds; what is there is gone on with.
+    found
+        The diagnosis along that run, where it is at hand.
+    rounds
+        Coupled runs at most, for the coefficient alone and for the effects each.
+    diagnose_again
+        Ask along the last run whether what is left is noise.
+    quiet
+        Show no progress within a cycle.
+    say
+        Takes one line a round.
+
+    Raises
+    ------
+    UserError
+        for a run that is not of the case as it is now, that kept its shape, or whose service is not the survey's.
+    """
+    plain, _ = case_of_run(run)
+    if plain.frozen:
+        raise UserError(
+            f"{run} kept the geometry as new, so what it lacks may be the change of shape; run the case with its geometry moving "
+            "(frozen=false), and improve that"
+        )
+    unit = service(survey, plain.throughput_rate)
+    given = exposed_by_run(survey, run)
+    found = found or diagnose(given)
+    keep = np.ones(survey.size, bool)
+    keep[[doubt.row for doubt in found.doubts]] = False
+    data = readings(given.only(keep))
+    held = held_out(data)
+    last = float((survey.progress - survey.life_start[survey.life]).max()) * unit.seconds
+    train = keep.copy()
+    train[np.flatnonzero(keep)[held]] = False
+    loop = _Loop(survey, plain, given, data.past, keep, held, train, unit, last, out, rounds, quiet, say)
+
+    coefficient = loop.repeat("coefficient", coefficient_alone)
+    suspects = found.choice.best.suspects
+    effects = loop.repeat("effects", _refit(suspects)) if suspects else coefficient
+    while len(suspects) > 1 and (rest := needed(effects[-1], found.choice.odds)) != suspects:
+        suspects = rest
+        effects = loop.repeat("effects", _refit(suspects), effects)
+    before, after = loop.score(coefficient[-1]), loop.score(effects[-1])
+    no_better = (after.heldout_rmse or 0.0) > 1.02 * (before.heldout_rmse or np.inf)
+    if no_better:
+        effects, after = coefficient, before
+    again = diagnose(exposed_by_run(survey, effects[-1].run), name_without=False) if diagnose_again else None
+    return Improvement(
+        plain, found, held, coefficient, effects, score(given.only(keep), held, 0), before, after, no_better, again
+    )  # fmt: skip
+
+
+Refit = Callable[[Readings, Told | None], Told]
+
+
+def _refit(suspects: Sequence[Candidate]) -> Refit:
+    return lambda data, before: with_suspects(data, suspects, before)
+
+
+def needed(last: Round, odds: float) -> tuple[Candidate, ...]:
+    """The effects of a run without the one that the readings along it ask for least, if they do not ask for it.
+
+    A diagnosis along a run without effects may take two for one: what the first does to the shape looks like another. Along the run that
+    has them both, each must be as probable as a diagnosis asks.
+
+    Parameters
+    ----------
+    last
+        The run.
+    odds
+        [nats] prior log odds of each effect.
+    """
+    fitted = last.told.fitted
+    assert fitted is not None  # there are effects in the run
+    fewer = [tuple(s for s in fitted.suspects if s is not one) for one in fitted.suspects]
+    best = max((fit(fitted.readings, rest) for rest in fewer), key=lambda found: found.log_evidence)
+    return fitted.suspects if fitted.log_evidence - best.log_evidence + odds > SURE else best.suspects
+
+
+@dataclass(frozen=True)
+class _Loop:
+    """What all rounds share."""
+
+    survey: Survey
+    plain: LifeCase
+    given: Survey  # along the run that was given
+    past: History
+    keep: np.ndarray  # (n,) readings that are not doubted
+    held: np.ndarray  # those of them that no round sees
+    train: np.ndarray  # (n,) those that all rounds see
+    unit: Service
+    last: float  # [s] of service at the last reading
+    out: Path
+    rounds: int
+    quiet: bool
+    say: Callable[[str], None]
+
+    def repeat(self, name: str, refit: Refit, before: tuple[Round, ...] = ()) -> tuple[Round, ...]:
+        """Coupled runs until the readings along the last say what was put into it, or the rounds are over; after those `before`."""
+        data = readings(self.given.only(self.train))
+        if before and before[-1].told.fitted is not None:
+            data = before[-1].told.fitted.readings
+        told = refit(data, None)
+        done = list(before)
+        for _ in range(self.rounds):
+            done.append(self.round(self.out / "rounds" / f"{name}-{len(done) + 1}", told, refit))
+            told = done[-1].told
+            self.say(self._line(name, done))
+            if done[-1].change < PART:
+                break
+        return tuple(done)
+
+    def round(self, folder: Path, put_in: Told, refit: Refit) -> Round:
+        """One coupled run with what was told, and what the readings say along it."""
+        effects = tuple(in_service(effect, self.survey, self.past, self.unit) for effect in put_in.effects)
+        assert self.plain.folder is not None  # it was read from a folder
+        write_case(
+            folder, self.plain.folder, self.plain.settings, put_in.factor, effects,
+            f"{self.plain.name} in a round of wearfem improve, up to the last reading of {self.survey.source}.", self.last,
+        )  # fmt: skip
+        case = load_any_case(folder)
+        assert isinstance(case, LifeCase)
+        live_to_the_end(case, folder / "run", self.quiet)
+        along = exposed_by_run(self.survey, folder / "run", put_in=PutIn(put_in.factor, effects))
+        told = refit(readings(along.only(self.train)), put_in)
+        return Round(folder, folder / "run", put_in, told, told.change(put_in))
+
+    def score(self, done: Round) -> Score:
+        return score(
+            exposed_by_run(self.survey, done.run).only(self.keep), self.held, int((done.put_in.deviation > 0.0).sum())
+        )  # fmt: skip
+
+    def _line(self, name: str, done: Sequence[Round]) -> str:
+        one = done[-1]
+        verdict = "they agree" if one.change < PART else "not yet"
+        return (
+            f"{name}, coupled run {len(done)}: factor {one.put_in.factor:.4g}, by the readings along it "
+            f"{one.told.factor:.4g}; largest change {one.change:.2g} standard deviations: {verdict}"
+        )
+
+
+def coefficient_alone(data: Readings, before: Told | None) -> Told:
+    """The factor by plain least squares, as people refit a coefficient."""
+
+    def left(log: np.ndarray) -> np.ndarray:
+        return data.worn - data.past.of_rows(depths(data.past, Model(float(np.exp(log[0])))))
+
+    start = np.log(before.factor if before is not None else data.coefficient)
+    found = least_squares(left, [start], diff_step=1e-4)
+    variance = 2.0 * found.cost / max(1, len(data.worn) - 1) / float(found.jac[:, 0] @ found.jac[:, 0])
+    return Told(float(np.exp(found.x[0])), (), found.x, np.sqrt([variance]))
+
+
+def with_suspects(data: Readings, suspects: Sequence[Candidate], before: Told | None) -> Told:
+    """The factor and the effects, most probable with nuisances integrated out."""
+    start = before.fitted if before is not None else None
+    fitted = fit(data, suspects, start)
+    model = fitted.model
+    place, deviation = fitted.coordinate.copy(), np.sqrt(np.diag(fitted.deviation))
+    place[0], deviation[0] = np.log(model.coefficient), COEFFICIENT_PRIOR * deviation[0]
+    at, effects = 1, []
+    for suspect in suspects:
+        effects.append(suspect.effect(fitted.coordinate[at : at + len(suspect.free)]))
+        at += len(suspect.free)
+    return Told(model.coefficient, tuple(effects), place, deviation, fitted)
+
+
+def score(along: Survey, held: np.ndarray, parameters: int) -> Score:
+    """Errors of a run's own depths [measured unit], on readings it was fitted to and on those held out."""
+    data = readings(along)
+    left = data.worn - data.past.of_rows(depths(data.past, Model(1.0)))
+    factor = along.measured_factor
+    return Score(
+        float(np.sqrt(np.mean(left[~held] ** 2))) / factor,
+        float(np.sqrt(np.mean(left[held] ** 2))) / factor if held.any() else None,
+        float(np.sum(left[~held] ** 2)) / data.reference**2 / max(1, int((~held).sum()) - parameters),
+    )

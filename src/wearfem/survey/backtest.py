@@ -1,0 +1,156 @@
+"""What the forecasts of a survey would have been worth: each occasion foretold from those before it, and then read."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from wearfem.errors import UserError
+from wearfem.survey.choose import Choice
+from wearfem.survey.diagnose import LEAST_READINGS, diagnose
+from wearfem.survey.forecast import (
+    ALONE,
+    FULL,
+    LINE,
+    SHARE,
+    allowance,
+    explanations,
+    lines_ahead,
+    wear_ahead,
+)
+from wearfem.survey.identify import Fit, Readings
+from wearfem.survey.survey import Survey
+
+FEWEST = 3  # occasions from which one is foretold
+MOST = 12  # occasions that are foretold; of more, as many evenly over the survey
+DRAWS = 400
+NAMES = (LINE, ALONE, FULL)
+
+
+@dataclass(frozen=True)
+class Foretold:
+    """An occasion that was foretold from all before it.
+
+    Parameters
+    ----------
+    occasion
+        Its name.
+    progress
+        Its median, in the survey's unit.
+    named
+        The effects that were named from the occasions before.
+    error
+        (3, r) [SI] foretold less read, of the straight line, the coefficient alone and the model with what was named.
+    held
+        (3, r) whether the 80 % interval of each holds the reading.
+    """
+
+    occasion: str
+    progress: float
+    named: tuple[str, ...]
+    error: np.ndarray
+    held: np.ndarray
+
+    @property
+    def rmse(self) -> np.ndarray:
+        """(3,) [SI] of each model"""
+        return np.sqrt(np.mean(self.error**2, axis=1))
+
+
+@dataclass(frozen=True)
+class BackTest:
+    """All occasions that were foretold; empty where there are too few."""
+
+    occasions: tuple[Foretold, ...]
+
+    @property
+    def rmse(self) -> np.ndarray:
+        """(3,) [SI] of each model, over all readings"""
+        return np.sqrt(np.mean(np.concatenate([f.error for f in self.occasions], axis=1) ** 2, axis=1))
+
+    @property
+    def coverage(self) -> np.ndarray:
+        """(3,) share of the readings that the 80 % interval of each model holds"""
+        return np.mean(np.concatenate([f.held for f in self.occasions], axis=1), axis=1)
+
+    @property
+    def readings(self) -> int:
+        """How many readings were foretold"""
+        return sum(f.error.shape[1] for f in self.occasions)
+
+
+def back_test(survey: Survey, *, seed: int = 0) -> BackTest:
+    """Foretell occasion n + 1 from the first n, for every n from 3 on, and compare with what was then read.
+
+    Each time all is done anew from the first n occasions alone: doubted readings, calibration, and the diagnosis. The amount of service
+    at the next occasion is told, its covariates are not. Only plates that had been read in service are foretold, all models on the same
+    readings, and none of these is left out.
+    """
+    return BackTest(tuple(_foretold(survey, seed)))
+
+
+def _foretold(survey: Survey, seed: int) -> Iterator[Foretold]:
+    occasions = np.unique(survey.occasion)
+    numbers = range(FEWEST, len(occasions))
+    if len(numbers) > MOST:
+        numbers = np.linspace(FEWEST, len(occasions) - 1, MOST).round().astype(int)  # type: ignore[assignment]
+    for number in numbers:
+        before = survey.occasion < occasions[number]
+        served = np.unique(survey.life[before & ~survey.is_new])
+        asked = (survey.occasion == occasions[number]) & ~survey.is_new & np.isin(survey.life, served)
+        if before.sum() < LEAST_READINGS or not asked.any():
+            continue
+        try:
+            choice = diagnose(survey.only(before), name_without=False).choice
+        except UserError:  # too little to diagnose yet: one amount of service, or no wear
+            continue
+        yield foretell(choice, survey.only(asked), seed)
+
+
+def foretell(choice: Choice, asked: Survey, seed: int = 0) -> Foretold:
+    """Readings that were taken later, beside what each model lets expect of them.
+
+    Parameters
+    ----------
+    choice
+        From the occasions before.
+    asked
+        Rows of the next occasion.
+    seed
+        Where the draws begin.
+    """
+    data = choice.plain.readings
+    random = np.random.default_rng([seed, asked.size])
+    worn = asked.reading if asked.sign > 0.0 else allowance(data, 0.0)[asked.life] - asked.reading
+    last = float(data.past.end.max())
+    at = np.unique(np.append(last, np.maximum(asked.progress, last)))
+    column = np.searchsorted(at, np.maximum(asked.progress, last))
+    lines = lines_ahead(data, at, DRAWS, random, noise=1.0)[:, asked.life, column]
+    models = [[(choice.plain, 1.0)], explanations(choice)]
+    told = [lines, *(_readings_ahead(model, data, asked, at, column, random) for model in models)]
+    low, high = np.quantile(told, [0.5 - 0.5 * SHARE, 0.5 + 0.5 * SHARE], axis=1)
+    return Foretold(
+        asked.occasion_names[asked.occasion[0]], float(np.median(asked.progress)),
+        tuple(suspect.name for suspect in choice.best.suspects),
+        np.median(told, axis=1) - worn, (low <= worn) & (worn <= high),
+    )  # fmt: skip
+
+
+def _readings_ahead(
+    models: Sequence[tuple[Fit, float]],
+    data: Readings,
+    asked: Survey,
+    at: np.ndarray,
+    column: np.ndarray,
+    random: np.random.Generator,
+) -> np.ndarray:
+    """Draws (s, r) of readings: the wear, with the errors of a campaign and the gauge's own"""
+    worn = wear_ahead(models, at, DRAWS, random)[:, asked.life, column]
+    spread = models[0][0].spread
+    zero = random.normal(0.0, spread.zero, (DRAWS, 1))
+    scale = random.normal(0.0, spread.scale, (DRAWS, 1))
+    gauge = spread.gauge * np.where(np.isfinite(asked.sigma), asked.sigma / data.reference, 1.0)
+    warped = models[0][0].readings.past.warped
+    if warped.shape[1]:
+        zero = zero + spread.warp * random.normal(size=(DRAWS, warped.shape[1])) @ warped[asked.life].T
+    return worn * (1.0 + scale) + zero + gauge * random.normal(size=worn.shape)
