@@ -9,7 +9,7 @@ from wearfem.proofs.diagnosis import Degraded, degradation
 
 GREEN, GREY, RED = "#2e7d4f", "#c9c9c9", "#b3352b"
 NOISES = tuple((noise, 24, 6) for noise in (0.1, 0.2, 0.5, 1.0))
-READINGS = tuple((0.1, points, occasions) for points, occasions in ((8, 3), (12, 3), (24, 6)))
+READINGS = tuple((0.1, points, occasions) for points, occasions in ((8, 3), (12, 3), (12, 5), (24, 6)))
 
 
 def main() -> None:
@@ -25,7 +25,8 @@ def main() -> None:
     panels[0].set_xlabel("gauge error [mm] (24 points, 6 occasions; liners lose 5 to 25 mm)")
     panels[1].set_xlabel("points x occasions (gauge error 0.1 mm)")
     panels[0].set_ylabel("share of 14 plants, one of each kind [%]")
-    panels[1].legend(frameon=False, loc="lower right")
+    handles, words = panels[0].get_legend_handles_labels()
+    figure.legend(handles, words, frameon=False, loc="outside upper center", ncols=3)
     target = Path(__file__).parent / "pictures" / "diagnosis_degrades.png"
     figure.savefig(target, dpi=140)
     print(f"wrote {target}")
