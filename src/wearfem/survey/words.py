@@ -280,7 +280,9 @@ def forecast_lines(found: Forecast) -> list[str]:
         lines += _wrapped(
             [("next stop", f"at {found.next_stop:.4g} {unit} is reached by {in_words(told)} ({last.name})")]
         )
-    told_as = f"median and interval of {SHARE:.0%}; nothing is told beyond {found.progress[-1]:.4g} {unit} (>)"
+    told_as = (
+        f"median and interval of {SHARE:.0%}; nothing is told beyond {found.progress[-1]:.4g} {unit} (>)"
+    )
     return [*lines, *_wrapped([("note", told_as)])]
 
 
