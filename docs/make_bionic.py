@@ -46,14 +46,14 @@ def draw_trend(panel, trends, runs, name: str) -> None:
     letter, levels, printed = trends.LEVELS[name]
     for span, colour, mark in (("upper half", BLUE, "o-"), ("zone 2", ORANGE, "s")):
         rows = [
-            (level, *trends.interval([100.0 * one for one in values]))
+            (level, 100.0 * one.mean, 100.0 * one.half)
             for level in levels
-            if (values := trends.saved(runs, span, **{name: 1e-3 * level}))
+            if (one := trends.saved(runs, span, **{name: 1e-3 * level}))
         ]
         if rows:
             x, mean, half = np.array(rows).T
             label = "upper half of zone 2" if span == "upper half" else "whole of zone 2"
-            panel.errorbar(x, mean, np.nan_to_num(half), fmt=mark, color=colour, capsize=3, label=label)
+            panel.errorbar(x, mean, half, fmt=mark, color=colour, capsize=3, label=label)
     panel.plot(list(printed), list(printed.values()), "x", color=BLACK, label="printed, zone 2")
     words = {"a0": "radius along", "b0": "height", "c0": "spacing along", "d0": "spacing across"}[letter]
     panel.set(xlabel=f"{letter}, {words} [mm]", ylabel="wear saved [%]", ylim=(0, 100))

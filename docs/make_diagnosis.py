@@ -8,10 +8,8 @@ from pathlib import Path
 from wearfem.proofs.diagnosis import Degraded, degradation
 
 GREEN, GREY, RED = "#2e7d4f", "#c9c9c9", "#b3352b"
-NOISES = tuple((noise, 24, 6) for noise in (0.05, 0.1, 0.2, 0.3, 0.5, 1.0))
-READINGS = tuple(
-    (0.1, points, occasions) for points, occasions in ((8, 3), (12, 3), (12, 5), (24, 5), (40, 8))
-)
+NOISES = tuple((noise, 24, 6) for noise in (0.1, 0.2, 0.5, 1.0))
+READINGS = tuple((0.1, points, occasions) for points, occasions in ((8, 3), (12, 3), (24, 6)))
 
 
 def main() -> None:

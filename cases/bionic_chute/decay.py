@@ -19,13 +19,11 @@ from wearfem.cycle import CycleReport, Worn
 from wearfem.history import cycles_of, read_cycle
 from wearfem.life import live
 from wearfem.liner.liner import wear_surface
-from wearfem.units import degree, hour, mm
+from wearfem.units import hour, mm
 from wearfem.wear.sampling import Sample, standard_error
 
 FOLDER = Path(__file__).parent
 RESULTS = FOLDER / "decay.json"
-MIDDLE = 0.5 * (35.34 + 64.15) * degree  # of zone 2: its upper half is in the model, as in trends.py
-KEYWORDS = {"sectors": 8, "rings": 2, "rings_around": 1, "tolerance": 0.3, "worn_off": 20 * mm, "end": MIDDLE}
 WIDE = float(student.ppf(0.95, 7))  # standard errors in half of a 90 % interval, of eight blocks
 FILL, WARM_UP, WINDOW, BLOCKS = 0.35, 0.1, 0.1, 8  # [s], [s], [s], [-]
 
@@ -54,8 +52,7 @@ def filled(case: LifeCase) -> LifeCase:
 def moment(case: LifeCase, report: CycleReport, worn: Worn, sample: Sample) -> Moment:
     """What a cycle saw."""
     where, mesh, new = case.measure.where, worn.liner.mesh, case.liner.mesh
-    height = new.thickness - new.thickness.min()
-    top, matrix = height > 0.999 * height.max(), height == 0.0
+    matrix = (where.height == 0.0) & (mesh.thickness < new.thickness)
     blocks = (sample.rate * report.loads.area) @ where.zone_2 / where.share
     rate = float(where.volume_rate(report.loads).mean())
     alike = case.effects[0].alike
@@ -66,8 +63,8 @@ def moment(case: LifeCase, report: CycleReport, worn: Worn, sample: Sample) -> M
         report.throughput,
         rate,
         float(standard_error(blocks[:, None])[0]),
-        float(mesh.thickness[top].mean() - mesh.thickness[matrix].mean()),
-        float((new.thickness - mesh.thickness)[matrix].mean()),
+        where.convex_height(mesh),
+        float((new.thickness - mesh.thickness)[matrix].mean()) if matrix.any() else 0.0,
         float(where.volume_rate(report.loads, where.on_convex).mean()) / rate,
         (np.bincount(alike, depth_rate * area) / np.bincount(alike, area)).tolist(),
     )
@@ -150,7 +147,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--table", action="store_true", help="run nothing")
     given = parser.parse_args()
-    settings = {**KEYWORDS, "seed": given.seed, "minor_radius": given.minor_radius * mm}
+    settings = {"seed": given.seed, "minor_radius": given.minor_radius * mm}
     case = load_any_case(FOLDER, settings)
     stop = Stop(service_time=given.stop * hour)
     case = replace(case, warm_up=WARM_UP, window=Window(WINDOW, BLOCKS), stop=stop)

@@ -20,11 +20,12 @@ from wearfem.cycle import Particles
 from wearfem.dem.flow import Model
 from wearfem.liner.liner import wear_surface
 from wearfem.surface import Surface
-from wearfem.units import GPa, degree
+from wearfem.units import GPa
 
 FOLDER = Path(__file__).parent
 RESULTS = FOLDER / "reasons.json"
-MIDDLE = 0.5 * (35.34 + 64.15) * degree
+PARTS = parts_of(FOLDER)
+MIDDLE = PARTS.MIDDLE  # [rad] of zone 2
 MESH = {"sectors": 8, "rings": 3, "rings_around": 1, "end": MIDDLE}
 FILL, MEASURE, BLOCKS = 0.35, 0.15, 8  # [s], [s], [-]
 
@@ -36,7 +37,7 @@ def as_it_falls(model: Model) -> Model:
 
 def without_its_fall(model: Model) -> Model:
     """Ore that comes on along the chute with the speed that it has falling, so that it loses none where it lands."""
-    chute = parts_of(FOLDER).chute
+    chute = PARTS.chute
     speed = float(np.linalg.norm(chute.VELOCITY))
     tangent = (speed * sin(chute.ONSET), 0.0, -speed * cos(chute.ONSET))
     return replace(model, inlets=tuple(replace(inlet, velocity=tangent) for inlet in model.inlets))
@@ -44,10 +45,10 @@ def without_its_fall(model: Model) -> Model:
 
 VARIANTS: dict[str, tuple[dict, Callable[[Model], Model]]] = {
     "as in trends.py": ({}, as_it_falls),
-    "ore ten times as stiff, 0.65 GPa": ({"shear_modulus": 0.65 * GPa}, as_it_falls),
     "mesh twice as fine": ({"sectors": 16, "rings": 6, "rings_around": 2}, as_it_falls),
-    "slice twice as wide": ({"spacings": 2}, as_it_falls),
     "ore that loses no speed where it lands": ({}, without_its_fall),
+    "slice twice as wide": ({"spacings": 2}, as_it_falls),
+    "ore ten times as stiff, 0.65 GPa": ({"shear_modulus": 0.65 * GPa}, as_it_falls),
     "half the time step": ({"time_step_share": 0.125}, as_it_falls),
 }
 

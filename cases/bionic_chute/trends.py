@@ -22,10 +22,12 @@ from wearfem import __version__
 from wearfem.case import Window, load_any_case, parts_of
 from wearfem.liner.liner import wear_surface
 from wearfem.units import degree, mm
+from wearfem.wear.sampling import standard_error
 
 FOLDER = Path(__file__).parent
 RESULTS = FOLDER / "trends.json"
-MIDDLE = 0.5 * (35.34 + 64.15) * degree  # of zone 2
+PARTS = parts_of(FOLDER)
+MIDDLE = PARTS.MIDDLE  # [rad] of zone 2
 SPANS = {
     "upper half": (MIDDLE, 0.35, 0.15),
     "zone 2": (64.15 * degree, 0.6, 0.2),
@@ -62,6 +64,11 @@ class Run:
         """[m3/s] of what was to be measured: the upper half, or all of zone 2"""
         return float(np.mean(self.upper) + np.mean(self.lower))
 
+    @property
+    def error(self) -> float:
+        """[m3/s] standard error of the rate, from its blocks"""
+        return float(standard_error((np.array(self.upper) + np.array(self.lower))[:, None])[0])
+
 
 def settings_of(seeds: int) -> Iterator[dict[str, Any]]:
     """What to run, the most wanted first: smooth, base case, the levels with a printed figure, the ends of each row, the others."""
@@ -72,9 +79,11 @@ def settings_of(seeds: int) -> Iterator[dict[str, Any]]:
     others = [{**BASE, name: level * mm} for name, level in ordered if level * mm != BASE[name]]
     first = ({**BASE, "convexes": False}, BASE, {**BASE, "staggered": False})
     yield from ({**one, "span": "upper half", "seed": 1} for one in (*first, *others))
-    yield from ({**one, "span": "zone 2", "seed": seed} for seed in range(1, seeds + 1) for one in first)
+    yield from ({**one, "span": "zone 2", "seed": 1} for one in first)
     for seed in range(2, seeds + 1):
         yield from ({**one, "span": "upper half", "seed": seed} for one in (*first, *others))
+    for seed in range(2, seeds + 1):
+        yield from ({**one, "span": "zone 2", "seed": seed} for one in first)
 
 
 def run(settings: dict[str, Any]) -> Run:
@@ -85,7 +94,7 @@ def run(settings: dict[str, Any]) -> Run:
     case = load_any_case(FOLDER, {**keywords, "end": end})
     surface = wear_surface(case.liner)
     where = case.measure.where
-    upper = (parts_of(FOLDER).chute.facet_angle(surface) < MIDDLE).astype(float)
+    upper = (PARTS.chute.facet_angle(surface) < MIDDLE).astype(float)
     flow, _ = case.sampler.sample(case.flow, surface, Window(fill))
     flow, loads = case.sampler.sample(flow, surface, Window(measure, BLOCKS))
     area = loads.area * where.zone_2 * upper
@@ -116,51 +125,70 @@ def write(runs: list[Run]) -> None:
     os.replace(beside, RESULTS)
 
 
-def saved(runs: list[Run], span: str, **settings: Any) -> list[float]:
-    """[-] wear saved, one number a seed: against the smooth chute of the same seed."""
+@dataclass(frozen=True)
+class Saved:
+    """Wear saved [-] by convexes, against the smooth chute of the same seed."""
 
-    def rates(wanted: dict[str, Any]) -> dict[int, float]:
+    by_seed: tuple[float, ...]
+    by_blocks: float  # standard error of their mean, from the blocks of the runs
+
+    @property
+    def mean(self) -> float:
+        """Over seeds"""
+        return float(np.mean(self.by_seed))
+
+    @property
+    def half(self) -> float:
+        """Half of the 90 % interval: Student's over three seeds and more, else from the blocks of the runs"""
+        count = len(self.by_seed)
+        if count > 2:
+            return float(student.ppf(0.95, count - 1) * np.std(self.by_seed, ddof=1) / count**0.5)
+        return float(student.ppf(0.95, BLOCKS - 1)) * self.by_blocks
+
+    def __str__(self) -> str:
+        """In per cent, with the number of seeds and where the interval comes from"""
+        source = "seeds" if len(self.by_seed) > 2 else "blocks"
+        return f"{100 * self.mean:5.1f} +- {100 * self.half:4.1f} ({len(self.by_seed)}, {source})"
+
+
+def saved(runs: list[Run], span: str, **settings: Any) -> Saved | None:
+    """What a geometry saves on a span; None where it has not been run."""
+
+    def rates(wanted: dict[str, Any]) -> dict[int, tuple[float, float]]:
         known = [({k: v for k, v in one.settings.items() if k != "seed"}, one) for one in runs]
-        return {one.settings["seed"]: one.rate for given, one in known if given == {**wanted, "span": span}}
+        return {
+            one.settings["seed"]: (one.rate, one.error)
+            for given, one in known
+            if given == {**wanted, "span": span}
+        }
 
     smooth, embossed = rates({**BASE, "convexes": False}), rates({**BASE, **settings})
-    return [1.0 - rate / smooth[seed] for seed, rate in sorted(embossed.items()) if seed in smooth]
-
-
-def interval(values: list[float], confidence: float = 0.9) -> tuple[float, float]:
-    """Mean and half of its interval (Student's t over seeds; not a number for one seed)."""
-    count = len(values)
-    spread = float(np.std(values, ddof=1)) if count > 1 else float("nan")
-    return float(np.mean(values)), float(
-        student.ppf(0.5 + 0.5 * confidence, max(count - 1, 1))
-    ) * spread / count**0.5
+    both = [(embossed[seed], smooth[seed]) for seed in sorted(embossed) if seed in smooth]
+    if not both:
+        return None
+    errors = [np.hypot(e / s, r * d / s**2) for (r, e), (s, d) in both]
+    return Saved(tuple(1.0 - r / s for (r, _), (s, _) in both), float(np.linalg.norm(errors)) / len(both))
 
 
 def table(runs: list[Run]) -> None:
     """Print the wear saved beside the printed figures."""
-    print("wear saved [%], 90 % over seeds (how many)")
-    print(f"{'geometry':18s}  {'upper half of zone 2':22s}  {'zone 2':22s}  printed, zone 2")
+    print("wear saved [%] with its 90 % interval (number of seeds, where the interval comes from)")
+    print(f"{'geometry':18s}  {'upper half of zone 2':26s}  {'zone 2':26s}  printed, zone 2")
     rows = [("base, rhombi", {}, 30.7), ("base, rectangles", {"staggered": False}, 30.7)]
     for name, (letter, values, printed) in LEVELS.items():
         rows += [(f"{letter} = {level:g} mm", {name: level * mm}, printed.get(level)) for level in values]
     for name, settings, printed in rows:
-        both = "  ".join(f"{words(saved(runs, span, **settings)):22s}" for span in SPANS)
+        both = "  ".join(f"{saved(runs, span, **settings) or ''!s:26s}" for span in SPANS)
         print(f"{name:18s}  {both}  {printed or ''}")
     base = [one for one in runs if {**one.settings, "seed": 0} == {**BASE, "span": "upper half", "seed": 0}]
     if base:
         area = base[0].convex_area
         share = np.array([sum(one.on_convexes) / sum(one.upper) for one in base])
-        times, half = interval(list(share / area * (1.0 - area) / (1.0 - share)))
+        times = share / area * (1.0 - area) / (1.0 - share)
         print(
-            f"base: convexes are {area:.1%} of the area and bear {share.mean():.1%} of the wear: {times:.2f} +- {half:.2f} times "
-            "the depth rate of the rest"
+            f"base: convexes are {area:.1%} of the area and bear {share.mean():.1%} of the wear: {times.mean():.1f} times the depth rate "
+            f"of the rest ({times.min():.1f} to {times.max():.1f} over {len(base)} seeds)"
         )
-
-
-def words(values: list[float]) -> str:
-    """Mean, interval and number of seeds; nothing for none"""
-    mean, half = interval([100.0 * one for one in values]) if values else (0.0, 0.0)
-    return f"{mean:5.1f} +- {half:4.1f} ({len(values)})" if values else ""
 
 
 def main() -> None:

@@ -187,13 +187,16 @@ def _stress_way(
     """Words, depths (f,) [m] at which the zone's largest stress reaches the limit, and what each draw adds to them (d,) [m]."""
     left = corrected_thickness(history)
     kept = [report for report in history.reports if report.kept]
-    by_facet = [
-        report.strain.von_mises[facet].max()
-        if report.strain and len(report.strain.von_mises) == len(history.area)
-        else np.nan
-        for report in kept
-    ]
-    stress = history.largest_von_mises if len(facet) == len(history.area) else np.array(by_facet)
+    own = np.array(
+        [
+            report.strain.von_mises[facet].max()
+            if report.strain and len(report.strain.von_mises) == len(history.area)
+            else np.nan
+            for report in kept
+        ]
+    )
+    zone_tells = len(facet) < len(history.area) and np.isfinite(own).sum() >= FEWEST_STRESSES
+    stress = own if zone_tells else history.largest_von_mises
     thinnest = np.nanmin(left[:, facet], axis=1)
     at = thickness_at_stress(thinnest, stress, limit, random, draws)
     middle = float(np.median(at))

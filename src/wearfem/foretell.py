@@ -335,14 +335,25 @@ def _cost_lines(found: Foretold) -> Iterable[str]:
     yield (
         f"costs: a planned change {prices.planned:,.0f} {prices.currency}, an unplanned one {prices.unplanned:,.0f} {prices.currency}"
     )
-    yield f"  run until it fails                 {found.per_tonne(told.to_the_end):.4g} {unit}"
-    if found.next_stop is not None and found.at_stop is not None:
-        yield f"  change at the next stop ({words(found.next_stop)})   {found.per_tonne(found.at_stop):.4g} {unit}"
-    if np.isfinite(told.best):
-        best = float(told.rate.min())
-        yield f"  change at {words(told.best)}, the cheapest   {found.per_tonne(best):.4g} {unit}"
-    else:
+    plans = plans_of(found)
+    width = max(len(way) for way, _ in plans)
+    for way, cost in plans:
+        yield f"  {way.ljust(width)}   {cost:.4g} {unit}"
+    if not np.isfinite(told.best):
         yield "  no planned change is cheaper than running until it fails"
+
+
+def plans_of(found: Foretold) -> list[tuple[str, float]]:
+    """Ways to plan the change in words, with what each costs [`cost_unit`]; none without prices."""
+    told = found.costs
+    if told is None:
+        return []
+    plans = [("run until it fails", told.to_the_end)]
+    if found.at_stop is not None and found.next_stop is not None:
+        plans.append((f"change at the next stop, {words(found.next_stop)}", found.at_stop))
+    if np.isfinite(told.best):
+        plans.append((f"change at {words(told.best)}, the cheapest time", float(told.rate.min())))
+    return [(way, found.per_tonne(rate)) for way, rate in plans]
 
 
 def forecast_values(found: Foretold) -> dict[str, Any]:

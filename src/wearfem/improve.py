@@ -18,6 +18,7 @@ from wearfem.errors import UserError
 from wearfem.exposure import PutIn, exposed_by_run
 from wearfem.run import case_of_run, live_to_the_end
 from wearfem.survey.candidates import Candidate, Suspect
+from wearfem.survey.choose import SURE
 from wearfem.survey.diagnose import Diagnosis, Effect, Score, diagnose, held_out
 from wearfem.survey.history import History, Model, depths
 from wearfem.survey.identify import COEFFICIENT_PRIOR, Fit, Readings, fit, readings
@@ -129,7 +130,9 @@ class Improvement:
     @property
     def effects(self) -> tuple[Effect, ...]:
         """What the improved case has beside another coefficient"""
-        return () if self.rounds is self.coefficient_rounds else self.diagnosis.effects
+        fitted = self.last.put_in.fitted
+        names = [] if fitted is None else [suspect.name for suspect in fitted.suspects]
+        return tuple(effect for effect in self.diagnosis.effects if effect.name in names)
 
     @property
     def agreed(self) -> bool:
@@ -194,7 +197,10 @@ def improve(
 
     coefficient = loop.repeat("coefficient", coefficient_alone)
     suspects = found.choice.best.suspects
-    effects = loop.repeat("effects", lambda d, b: with_suspects(d, suspects, b)) if suspects else coefficient
+    effects = loop.repeat("effects", _refit(suspects)) if suspects else coefficient
+    while len(suspects) > 1 and (rest := needed(effects[-1], found.choice.odds)) != suspects:
+        suspects = rest
+        effects = loop.repeat("effects", _refit(suspects), effects)
     before, after = loop.score(coefficient[-1]), loop.score(effects[-1])
     no_better = (after.heldout_rmse or 0.0) > 1.02 * (before.heldout_rmse or np.inf)
     if no_better:
@@ -206,6 +212,30 @@ def improve(
 
 
 Refit = Callable[[Readings, Told | None], Told]
+
+
+def _refit(suspects: Sequence[Candidate]) -> Refit:
+    return lambda data, before: with_suspects(data, suspects, before)
+
+
+def needed(last: Round, odds: float) -> tuple[Candidate, ...]:
+    """The effects of a run without the one that the readings along it ask for least, if they do not ask for it.
+
+    A diagnosis along a run without effects may take two for one: what the first does to the shape looks like another. Along the run that
+    has them both, each must be as probable as a diagnosis asks.
+
+    Parameters
+    ----------
+    last
+        The run.
+    odds
+        [nats] prior log odds of each effect.
+    """
+    fitted = last.told.fitted
+    assert fitted is not None  # there are effects in the run
+    fewer = [tuple(s for s in fitted.suspects if s is not one) for one in fitted.suspects]
+    best = max((fit(fitted.readings, rest) for rest in fewer), key=lambda found: found.log_evidence)
+    return fitted.suspects if fitted.log_evidence - best.log_evidence + odds > SURE else best.suspects
 
 
 @dataclass(frozen=True)
@@ -226,11 +256,14 @@ class _Loop:
     quiet: bool
     say: Callable[[str], None]
 
-    def repeat(self, name: str, refit: Refit) -> tuple[Round, ...]:
-        """Coupled runs until the readings along the last say what was put into it, or the rounds are over."""
-        told = refit(readings(self.given.only(self.train)), None)
-        done: list[Round] = []
-        while len(done) < self.rounds:
+    def repeat(self, name: str, refit: Refit, before: tuple[Round, ...] = ()) -> tuple[Round, ...]:
+        """Coupled runs until the readings along the last say what was put into it, or the rounds are over; after those `before`."""
+        data = readings(self.given.only(self.train))
+        if before and before[-1].told.fitted is not None:
+            data = before[-1].told.fitted.readings
+        told = refit(data, None)
+        done = list(before)
+        for _ in range(self.rounds):
             done.append(self.round(self.out / "rounds" / f"{name}-{len(done) + 1}", told, refit))
             told = done[-1].told
             self.say(self._line(name, done))
@@ -260,9 +293,9 @@ class _Loop:
 
     def _line(self, name: str, done: Sequence[Round]) -> str:
         one = done[-1]
-        verdict = "agree" if one.change < PART else "go on" if len(done) < self.rounds else "stop here"
+        verdict = "they agree" if one.change < PART else "not yet"
         return (
-            f"{name}, coupled run {len(done)} of {self.rounds} at most: factor {one.put_in.factor:.4g}, by the readings along it "
+            f"{name}, coupled run {len(done)}: factor {one.put_in.factor:.4g}, by the readings along it "
             f"{one.told.factor:.4g}; largest change {one.change:.2g} standard deviations: {verdict}"
         )
 

@@ -62,6 +62,12 @@ def sentences(found: Improvement) -> list[str]:
                 f"{effect.name} is tabulated: it says that the difference follows {effect.quantity}, and not why; beyond the range of "
                 "these readings it is a guess."
             )
+    dropped = [e.name for e in found.diagnosis.effects if e not in found.effects]
+    if dropped and not found.no_better:
+        told.append(
+            f"{in_words(dropped)} was named along the run that was given; along the run with the rest in it the readings do not ask for "
+            "it any more, and it was left out."
+        )
     if found.no_better:
         told.append(
             f"{in_words([e.name for e in found.diagnosis.effects])} was found along the run that was given, but the coupled run with it "

@@ -14,7 +14,7 @@ import numpy as np
 from wearfem.case import Figure, LifeCase
 from wearfem.errors import UserError
 from wearfem.forecast import QUANTILES
-from wearfem.foretell import Asked, Foretold, foretell_history, percent, shares
+from wearfem.foretell import Asked, Foretold, foretell_history, percent, plans_of, shares
 from wearfem.history import CYCLES, History, cycles_of, read_cycle, read_history
 from wearfem.life import words
 from wearfem.liner.liner import wear_surface
@@ -187,19 +187,6 @@ def _foretold(history: History, case: LifeCase | None, asked: Asked | None) -> t
         if asked is not None and asked != Asked():
             raise
         return None, str(error)
-
-
-def plans_of(foretold: Foretold) -> list[tuple[str, float]]:
-    """Ways to plan the change in words, with what each costs [`cost_unit`]; none without prices."""
-    told = foretold.costs
-    if told is None:
-        return []
-    plans = [("run until it fails", told.to_the_end)]
-    if foretold.at_stop is not None and foretold.next_stop is not None:
-        plans.append((f"change at the next stop, {words(foretold.next_stop)}", foretold.at_stop))
-    if np.isfinite(told.best):
-        plans.append((f"change at {words(told.best)}, the cheapest time", float(told.rate.min())))
-    return [(way, foretold.per_tonne(rate)) for way, rate in plans]
 
 
 def chances_of(foretold: Foretold) -> list[Curve]:

@@ -1,6 +1,8 @@
 """The case bionic_chute, shortened, against its `expected.json`; one coupled cycle; what the shipped results say of the trends."""
 
+import importlib.util
 import json
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -64,3 +66,21 @@ def test_one_cycle_moves_the_convexes_and_keeps_the_volume():
     # The strip still fits to itself, but for a step: one side borders on tiles with a convex, the other on tiles without, and each node
     # there sees its own side only. A step of 2 % of what tops lose is 40 um when they are gone, a hundredth of a particle.
     np.testing.assert_allclose(lost[left], lost[right], atol=0.02 * lost.max())
+
+
+def test_the_shipped_trends_are_those_of_the_paper():
+    spec = importlib.util.spec_from_file_location("bionic_trends", CASE / "trends.py")
+    trends = sys.modules["bionic_trends"] = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(trends)
+    runs, span = trends.read(), {}
+    for name, (letter, levels, _) in trends.LEVELS.items():
+        low, high = (
+            trends.saved(runs, "upper half", **{name: level * 1e-3}) for level in (levels[0], levels[-1])
+        )
+        span[letter] = low.mean - high.mean
+        if letter != "c0":  # beyond both intervals of 90 %
+            assert abs(span[letter]) > np.hypot(low.half, high.half), letter
+    assert (
+        span["b0"] < 0.0 < min(span["a0"], span["c0"], span["d0"])
+    )  # printed: wear rises with a0, c0, d0 and falls with b0
+    assert span["c0"] < min(span["a0"], -span["b0"], span["d0"])  # printed: the least sensitive

@@ -12,7 +12,7 @@ from wearfem.liner.liner import wear_surface
 from wearfem.loads import FacetLoads
 
 CASE = Path(__file__).parents[2] / "cases" / "bionic_chute"
-COARSE = {"sectors": 8, "rings": 2, "rings_around": 1}
+COARSE = {"sectors": 8, "rings": 2, "rings_around": 1, "end": np.radians(64.16)}
 
 
 def loads_of(surface, load_distance):

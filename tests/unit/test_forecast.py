@@ -170,6 +170,16 @@ def test_noisy_stresses_are_told_with_their_doubt():
     assert 143 <= inside <= 177
 
 
+def test_a_stress_limit_is_a_thickness(constant):
+    case, history, _ = constant
+    bending = replace(history, largest_von_mises=50 * MPa * (20 * mm / history.thickness.min(axis=1)) ** 2)
+    told = {zone.until: zone for zone in forecast(bending, stress_limit=100 * MPa, case=case).zone}
+    # twice the stress at 20 mm / sqrt(2): 5.858 mm at the rate of the plate; what exact samples leave open
+    end = (1.0 - 0.5**0.5) * 20 * mm / RATE
+    assert told["100 MPa von Mises"].quantile[1] == pytest.approx(end, rel=3e-3)
+    assert told["100 MPa von Mises"].straight_line == pytest.approx(end, rel=1e-6)
+
+
 # What draws are made of
 
 

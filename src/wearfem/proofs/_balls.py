@@ -60,7 +60,6 @@ def brute_force(seed: int, steps: int, window: float) -> tuple[np.ndarray, np.nd
         liner, before = moved.liner, rate
         time.append(time[-1] + step)
         depth.append(depth[-1] + gain)
-        print(f"{time[-1] / 86400.0:.2f} d, {1e3 * depth[-1].max():.3f} mm", flush=True)
     return np.array(time), np.array(depth)
 
 

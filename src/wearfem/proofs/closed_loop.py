@@ -58,15 +58,6 @@ PLATE = Site(
     0.1,
     ((60 * mm, 340 * mm), (20 * mm, 140 * mm)),
 )
-CHUTE = Site(
-    HERE / "cases" / "transfer_chute",
-    {
-        "coarsening": 3.0, "slice_width": 100 * mm, "window": 1.0, "mesh_size": 20 * mm,
-        "smoothing_length": 80 * mm,
-    },
-    55 * day,
-    0.2,
-)  # fmt: skip
 
 
 @dataclass(frozen=True)

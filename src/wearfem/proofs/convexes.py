@@ -6,6 +6,7 @@ import numpy as np
 
 from wearfem.liner.convexes import Convex, Fineness, Pattern, bent_shell, embossed_strip, tile_with
 from wearfem.liner.liner import Liner, wear_surface
+from wearfem.liner.mesh import ShellMesh
 from wearfem.liner.recede import recede, volume
 from wearfem.material import Material
 from wearfem.proof import Claim
@@ -65,6 +66,7 @@ def worn_away() -> Iterator[Claim]:
         f"volume lost while convexes wear away, {STEPS} steps", "sum of depth x area", asked, before - volume(worn.mesh), "m3", 1e-9, True,
         "each step is exact to 1e-10; on the chute's radius of 2 m, where these walls twist, 1.5e-8 are left",
     )  # fmt: skip
+    assert isinstance(worn.mesh, ShellMesh)
     height = worn.mesh.thickness - worn.mesh.thickness[strip.height == 0.0].max()
     yield Claim(
         "largest height left of convexes", "they were 2 mm high and lost 2.5 mm, the face between 0.25 mm", 0.0,

@@ -63,10 +63,10 @@ class Survey:
         Where the rows come from.
     taken_as_replaced
         Points whose plate was taken to be replaced because the wear vanished, where no specimens are told.
-    mechanisms
-        Names of the exposures where there are several: `sliding` of a column `exposure_sliding`.
     zone
         What the survey calls the zone of each point, where it has a column of that name; empty if not.
+    mechanisms
+        Names of the exposures where there are several: `sliding` of a column `exposure_sliding`.
     course
         What a run of the model tells of each life; then `exposure` is 1 everywhere and the coefficient is a factor on the run's wear.
     """
@@ -93,8 +93,8 @@ class Survey:
     feature: Mapping[str, np.ndarray]
     source: str
     taken_as_replaced: tuple[str, ...] = ()
-    mechanisms: tuple[str, ...] = ()
     zone: tuple[str, ...] = ()
+    mechanisms: tuple[str, ...] = ()
     course: Course | None = None
 
     @property
@@ -174,7 +174,7 @@ def read_survey(path: Path, *, progress: str = "", exposure: Path | None = None)
         reading, MEASURED[told.quantity],
         measured, told.unit, told.factor, sigma, _beside(path, table, "initial", told.factor),
         life_point, life_start, np.ones(len(at)) if exposed is None else exposed, known, feature, str(path), replaced,
-        mechanisms, _zones(path, table, point_names),
+        _zones(path, table, point_names), mechanisms,
     )  # fmt: skip
 
 

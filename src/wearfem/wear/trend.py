@@ -21,8 +21,8 @@ from scipy.linalg import eigh
 from wearfem.wear.sampling import Sample, statistical_inefficiency
 
 STAYS = 0.5  # probability, before anything is sampled, that a rate stays as it is
-SLOPES = (0.1, 0.3, 1.0)  # [-] of ln r over a life where it does not: hardly any, to a factor e
-LENGTHS = (1.0, 3.0)  # [lives] in which a slope is forgotten: geometry changes over a life
+SLOPES = (0.1, 0.3, 1.0, 3.0)  # [-] of ln r over a life where it does not: from hardly any to a factor 20
+LENGTHS = (0.3, 1.0, 3.0)  # [lives] in which a slope is forgotten: a rise may turn within a life, or last
 FREE = 1.0  # [-] deviation of the level from its first sample, hundreds of times what the noise of one may be
 DIFFER = (0.0, 0.003, 0.01, 0.03, 0.1, 0.3, 1.0)  # [-] deviation of ln q from facet to facet
 SPREADS = (0.0, 2.0, 8.0, 32.0)  # [facets] over which ratios are alike; 0: each facet by itself
