@@ -356,7 +356,7 @@ def next_jump(case: LifeCase, worn: Worn, goal: Goal, bounds: Bounds, at_most: f
     left = case.stop.service_time - worn.liner.service_time
     if left <= ROUNDING * worn.liner.service_time:
         return Jump(0.0, "asked", 0.0, 0.0, 0.0, np.zeros_like(worn.receded))
-    return choose_jump(worn.samples, worn.receded, goal, bounds, min(at_most, left))
+    return choose_jump(worn.samples, worn.receded, goal, bounds, at_most, left)
 
 
 def why_ended(case: LifeCase, worn: Worn, jump: Jump, event: str) -> str:

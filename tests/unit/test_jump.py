@@ -43,6 +43,9 @@ def test_lengths(bounds, name, duration):
 
 def test_asked_and_growth():
     assert choose_jump([STEADY], NOTHING, GOAL, at_most=1e5).limited_by == "asked"
+    stopped = choose_jump([STEADY], NOTHING, GOAL, stop=1.7e5)  # no even part of the life
+    assert (stopped.limited_by, stopped.duration) == ("asked", 1.7e5)
+    assert choose_jump([STEADY], NOTHING, GOAL, at_most=1e5, stop=1.7e5).duration == 0.85e5
     second = sample(1e4, [RATE, 0.5 * RATE])
     jump = choose_jump(
         [STEADY, second, sample(2e4, [RATE, 0.5 * RATE])], corrected_depth([STEADY, second]), GOAL

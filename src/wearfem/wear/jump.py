@@ -120,8 +120,9 @@ def choose_jump(
     goal: Goal,
     bounds: Bounds | None = None,
     at_most: float = np.inf,
+    stop: float = np.inf,
 ) -> Jump:
-    """The jump after the last sample.
+    """The jump after the last sample: what is left is gone in equal parts.
 
     Parameters
     ----------
@@ -133,7 +134,9 @@ def choose_jump(
     goal, bounds
         What is to be known and how well; lengths that the jump must respect.
     at_most
-        [s] set by the caller: a stop, a period's end, half of a jump that was rejected.
+        [s] set by the caller: half of a jump that was rejected, say.
+    stop
+        [s] from the last sample to where the caller stops, if life goes on until then.
 
     Notes
     -----
@@ -150,17 +153,18 @@ def choose_jump(
     longest |= {"growth": LARGEST_GROWTH * last if last else np.inf, "jump error": plan.jump}
     limited_by = min(longest, key=lambda name: longest[name])
     left = foreseen.left if course.left > goal.tolerance * course.life else 0.0
-    parts = np.ceil(left / longest[limited_by] - 1e-9)
-    duration = left / parts if parts > 0 else 0.0
+    way = min(left, stop)
+    parts = np.ceil(way / longest[limited_by] - 1e-9)
+    duration = way / parts if parts > 0 else 0.0
     if parts <= 1:
-        limited_by = "end of life"
+        limited_by = "end of life" if left <= stop else "asked"
 
     if cycles == 1:
         window = _window_needed(course, 0.0, duration, course.left, plan.variance)
         window = max(window, INDEPENDENT * now.block * statistical_inefficiency(now.rate))
         if window > 1.1 * now.window:  # a tenth is not worth asking twice
             return Jump(0.0, "noise", 0.0, 0.0, window, np.zeros_like(now.mean))
-    after = min(duration, left - duration)
+    after = min(duration, way - duration)
     window = max(_window_needed(course, duration, after, left - duration, plan.variance), course.least)
     bias, noise = duration**3 * course.bend / 12.0, duration * course.noise[-1]
     recession = np.maximum(ahead + duration * (now.mean + 0.5 * duration * _slope(samples, course)), 0.0)
