@@ -212,6 +212,5 @@ def test_memory_stays_flat_over_200_cycles():
                 used[state.cycle] = tracemalloc.get_traced_memory()[0] - rates
     finally:
         tracemalloc.stop()
-    assert (
-        used[200] - used[20] < 180 * 64 * 8 * 4
-    )  # [B] 4 numbers a cycle and facet: mean and error of a sample, and room for objects
+    # a cycle leaves the mean, the error and the squares of its sample by facet, and 2 kB of objects and lag products
+    assert used[200] - used[20] < 180 * (3 * 64 * 8 + 2048)  # [B]
