@@ -2,7 +2,7 @@
 
 import os
 
-# Before NumPy is loaded. Matrices here are small: threads of BLAS cost more than they gain, on busy cores a hundred times, and change last
+# Before NumPy is loaded. Matrices here are small: threads of BLAS cost more than they gain, on busy cores thirty times, and change last
 # bits.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
