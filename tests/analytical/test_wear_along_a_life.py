@@ -1,5 +1,7 @@
 """Wear integrated along the life of plates, beside closed forms; nuisances beside dense matrices."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -93,9 +95,9 @@ def test_corrosion_beside_a_factor_of_depth():
 
 def test_nuisances_beside_dense_matrices():
     rng = np.random.default_rng(3)
-    n, q = 40, 12
-    found = Disturbance(rng.normal(size=(n, q)), np.arange(q) % 6, np.arange(q), rng.uniform(0.5, 2.0, n))
-    spread = Spread(0.3, 0.5, 0.2, 0.4, 0.6, 0.7)
+    n, q = 40, 20
+    found = Disturbance(rng.normal(size=(n, q)), np.arange(q) % 10, np.arange(q), rng.uniform(0.5, 2.0, n))
+    spread = Spread(0.3, 0.5, 0.2, 0.4, 0.6, 0.7, 0.35, 0.45, 0.55, 0.65)
     t2 = found.deviation(spread) ** 2
     dense = 0.09 * np.diag(found.weight) + (found.column * t2) @ found.column.T
     residual = rng.normal(size=n)
@@ -118,10 +120,10 @@ def test_standard_deviations_are_the_most_probable():
     column[np.arange(n), np.arange(n) % q] = 1.0
     found = Disturbance(column, np.zeros(q, int), np.arange(q), np.ones(n))
     residual = rng.normal(0, 0.1, n) + column @ rng.normal(0, 0.3, q)
-    best = fit_spread(found, residual, Spread(0.1, 0.1, 1e-4, 1e-4, 1e-4, 1e-4), None, 0.1)
+    best = fit_spread(found, residual, Spread(0.1, 0.1, *(8 * [1e-4])), None, 0.1)
 
     def density(gauge, zero):
-        s = Spread(gauge, zero, best.initial, best.scatter, best.book, best.scale)
+        s = replace(best, gauge=gauge, zero=zero)
         return log_likelihood(found, s, residual) + log_prior(s, None, 0.1)
 
     for factor in (0.97, 1.03):

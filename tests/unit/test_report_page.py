@@ -370,4 +370,4 @@ def test_printed_it_shows_the_maps_and_no_empty_canvas(tab, tmp_path):
     assert tab.evaluate(wide) > 500  # pixels: it was decoded and is large enough to read
     tab.call("Emulation.setEmulatedMedia", media="screen")
     pdf = base64.b64decode(tab.call("Page.printToPDF", preferCSSPageSize=True)["data"])
-    assert pdf.startswith(b"%PDF") and 1 <= len(re.findall(rb"/Type\s*/Page\b", pdf)) <= 6
+    assert pdf.startswith(b"%PDF") and 1 <= len(re.findall(rb"/Type\s*/Page\b", pdf)) <= 8
