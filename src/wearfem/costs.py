@@ -25,7 +25,8 @@ class Prices:
         """Refuse prices below zero, and hours without a price or the reverse."""
         for name in ("liner", "unplanned_stop", "standing_hour", "planned_hours", "unplanned_hours"):
             if not 0.0 <= getattr(self, name) < np.inf:
-                raise UserError(f"the price {name} is {getattr(self, name)!r}: it must be 0 or more")
+                said = {"liner": "price of a liner"}.get(name, name.replace("_", " "))
+                raise UserError(f"the {said} was given as {getattr(self, name):g}: it must be 0 or more")
         if (self.standing_hour > 0.0) != (self.planned_hours > 0.0 or self.unplanned_hours > 0.0):
             raise UserError(
                 f"an hour of standing costs {self.standing_hour:g} {self.currency}, for {self.planned_hours:g} h at a planned change and "

@@ -48,3 +48,11 @@ def test_dear_warm_ups_make_jumps_long():
     short, long = plan(memory=0.1), plan(memory=3.0)
     assert long.jump > short.jump
     assert long.sampling >= LIFE / long.jump * LEAST * FLOW["block"] * (1.0 - 1e-9)
+
+
+def test_jumps_are_as_long_as_the_trapezoid_rule_allows():
+    """Without noise and change, dear warm-ups: b N^-2 / 12 of the life uses up the share of the tolerance that bias may have."""
+    free = plan(change=0.0, bend=20.0, noise_density=1e-12, block=1e-3)
+    bias = 20.0 / 12.0 * (free.jump / LIFE) ** 2
+    # the grid has 60 numbers of jumps, neighbours some 8 % apart, and never takes one too few
+    assert 0.85 * 0.5 * 0.02 <= bias <= 0.5 * 0.02 * (1.0 + 1e-9)

@@ -282,7 +282,7 @@ def test_a_life_that_is_sure_is_changed_just_before_its_end():
 @pytest.mark.parametrize(
     ("given", "sentence"),
     [
-        ({"liner": -1.0}, "the price liner is -1.0: it must be 0 or more"),
+        ({"liner": -1.0}, "the price of a liner was given as -1: it must be 0 or more"),
         ({"liner": 1.0, "standing_hour": 5.0}, "together with at least one of the two times"),
         ({"liner": 1.0, "unplanned_hours": 5.0}, "together with at least one of the two times"),
         ({"liner": float("inf")}, "must be 0 or more"),

@@ -161,7 +161,7 @@ def test_wishes_that_make_no_sense(run, asked, sentence):
 def test_prices_need_that_of_a_liner():
     with pytest.raises(UserError, match="prices were given without --price"):
         asked_for(**NOTHING | {"unplanned_price": 5.0}, currency="")
-    with pytest.raises(UserError, match="the price liner is -1.0: it must be 0 or more"):
+    with pytest.raises(UserError, match="the price of a liner was given as -1: it must be 0 or more"):
         asked_for(**NOTHING | {"price": -1.0}, currency="")
     assert asked_for(**NOTHING, currency="").prices is None
 
