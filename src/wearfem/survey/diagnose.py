@@ -429,11 +429,6 @@ def _in_words(suggested: Suggestion | None, best: Fit) -> str:
     return "" if suggested is None else suggested.sentence
 
 
-def coefficient_interval(fitted: Fit) -> tuple[float, tuple[float, float]]:
-    """The coefficient of a fit with its 90 % interval [SI wear by unit of exposure and progress]."""
-    return coefficient_intervals(fitted)[0][0]
-
-
 def coefficient_intervals(fitted: Fit) -> tuple[list[tuple[float, tuple[float, float]]], np.ndarray]:
     """Each mechanism's coefficient with its 90 % interval, and the correlation (e, e) of their logarithms."""
     model, e = fitted.model, fitted.readings.coefficients
