@@ -20,6 +20,7 @@ from scipy.stats import t as student
 
 from wearfem import __version__
 from wearfem.case import Window, load_any_case, parts_of
+from wearfem.liner.chute import facet_angle
 from wearfem.liner.liner import wear_surface
 from wearfem.units import degree, mm
 from wearfem.wear.sampling import standard_error
@@ -94,7 +95,7 @@ def run(settings: dict[str, Any]) -> Run:
     case = load_any_case(FOLDER, {**keywords, "end": end})
     surface = wear_surface(case.liner)
     where = case.measure.where
-    upper = (PARTS.chute.facet_angle(surface) < MIDDLE).astype(float)
+    upper = (facet_angle(surface) < MIDDLE).astype(float)
     flow, _ = case.sampler.sample(case.flow, surface, Window(fill))
     flow, loads = case.sampler.sample(flow, surface, Window(measure, BLOCKS))
     area = loads.area * where.zone_2 * upper
