@@ -280,7 +280,9 @@ class Measure:
         straight = float((history.allowed_depth / history.rate[0]).min())
         rows = [
             Figure("end of life", told.time / day, "d"),
-            Figure("end of life, half of its 90 % interval", told.error(NINETY) / day, "d"),
+            Figure(
+                "end of life, half of its 90 % interval", history.reports[-1].end_error(NINETY) / day, "d"
+            ),
             Figure("ore until then", told.time * FEED_RATE / kilotonne, "kt"),
             Figure("end of life, had the new chute's rate stayed", straight / day, "d"),
             Figure(
