@@ -356,9 +356,20 @@ def _nuisance(best: Fit, factor: float) -> dict[str, object]:
     told["place_to_place_scatter"] = best.spread.scatter
     told["smooth_error_of_the_rate"] = best.spread.smooth
     told["smooth_error_of_a_campaign"] = best.spread.warp / factor if r.past.warped.shape[1] else 0.0
+    told["run_own_sampling"] = run_own_sampling(best)
     told["bend_deviation"] = best.spread.bend if r.past.bent else 0.0
     told["initial_reading_deviation"] = best.spread.initial / factor
     return told
+
+
+def run_own_sampling(fitted: Fit) -> float:
+    """[-] what the run that gives the exposure does not know of the depth at the last readings: the median of its standard errors"""
+    past = fitted.readings.past
+    if not past.sampled.shape[2]:
+        return 0.0
+    growth = np.diff(fitted.depth, axis=1, prepend=0.0)
+    error = np.sqrt(np.square((growth[:, :, None] * past.sampled).sum(axis=1)).sum(axis=1))
+    return float(np.median(error / np.maximum(fitted.depth[:, -1], 1e-300)))
 
 
 def _held_out_names(data: Readings, held: np.ndarray, named: tuple[str, ...] | None) -> HeldOut:
