@@ -171,7 +171,9 @@ def sampling(samples: Sequence[Sample], feet: Sequence[Foot]) -> Sampling:
     """
     at = [np.stack([foot.values(sample.rate) for foot in feet], axis=1) for sample in samples]  # (b, l) each
     mean = [one.mean(axis=0) for one in at]
-    off = [np.divide(one - m, m, out=np.zeros_like(one), where=m > 0.0) for one, m in zip(at, mean, strict=True)]
+    off = [
+        np.divide(one - m, m, out=np.zeros_like(one), where=m > 0.0) for one, m in zip(at, mean, strict=True)
+    ]
     squares = np.sum([one.T @ one for one in off], axis=0)
     density = noise_density([lag_products(one) for one in off], squares, samples[0].block)
     part = np.broadcast_to(np.eye(len(samples)), (len(feet), len(samples), len(samples)))

@@ -138,13 +138,19 @@ class Course:
         of_sample = np.stack(
             [replace(self, rate=self.rate * part).grown(begin, end) for part in np.moveaxis(self.sampling.part, -1, 0)], axis=-1
         )  # fmt: skip
-        share = np.divide(of_sample, growth[..., None], out=np.zeros_like(of_sample), where=growth[..., None] > 0.0)
+        share = np.divide(
+            of_sample, growth[..., None], out=np.zeros_like(of_sample), where=growth[..., None] > 0.0
+        )
         share = share / np.sqrt(self.sampling.window)
         error = (share[:, :, :, None] * self.sampling.modes[:, None, None, :]).reshape(*growth.shape, -1)
         depth = np.cumsum(growth[..., None] * error, axis=1).reshape(growth.size, -1)
         size, mode = np.linalg.svd(depth, full_matrices=False)[1:]
         held = np.cumsum(size**2)
-        return error @ mode[: int(np.searchsorted(held, TOLD * held[-1])) + 1].T if held[-1] > 0.0 else error[..., :0]
+        return (
+            error @ mode[: int(np.searchsorted(held, TOLD * held[-1])) + 1].T
+            if held[-1] > 0.0
+            else error[..., :0]
+        )
 
     @property
     def _bend(self) -> np.ndarray:

@@ -10,7 +10,8 @@ its own shape, what a run has not seen of its own flow, and the gauge's error:
       + sum over intervals of (b[interval] + r[life, interval]) (growth of d in it) + e.
 
 All are normal with standard deviations that the data tell (by marginal likelihood), under exponential priors that pull those to zero that
-are not needed; but the covariance of r, what the run itself does not know, the run tells (`course.Sampling`), and no reading changes it. They are integrated out, not fitted: points read many times count as one where the scatter between points is what matters.
+are not needed; but the covariance of r, what the run itself does not know, the run tells (`course.Sampling`), and no reading changes it.
+They are integrated out, not fitted: points read many times count as one where the scatter between points is what matters.
 
 **Source** linear mixed models, Laird and Ware, Biometrics 38 (1982) 963-974; matrix identity of Woodbury.
 """
