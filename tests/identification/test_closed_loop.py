@@ -144,8 +144,8 @@ def test_held_out_error_falls_to_the_noise(hidden, seed, tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [41, 42])
 def test_a_speed_exponent_that_these_readings_hardly_show_is_not_taken_for_another_effect(seed, tmp_path):
-    """Along the coupled run with the planted exponent itself, readings are 4.3 and 1.6 nats more probable than by the coefficient alone along
-    the run without it, and 6 name an effect (decision 0010): so it may be left unnamed, but then there is little to miss"""
+    """Along the coupled run with the planted exponent itself, readings are 4.3 and 1.6 nats more probable than by the coefficient alone,
+    and 6 name an effect (decision 0010): so it may be left unnamed, but then there is little to miss"""
     done, made = closed(tmp_path, "speed_exponent", seed)
     assert {effect.name for effect in done.effects} <= {"SpeedExponent"}
     # 1.3 is asked of what is named; by formula the exponent alone makes 0.11 mm beside the gauge's 0.1 where it is left out: 1.5
