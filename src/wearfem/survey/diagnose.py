@@ -331,7 +331,7 @@ def _nuisance(best: Fit, factor: float) -> dict[str, object]:
     """Zero errors by occasion [measured unit], the tonnage book by interval [-], scatter of places [-], with 90 % intervals"""
     r = best.readings
     found = best.disturbance
-    value, deviation = nuisances(found, best.spread, r.worn - r.past.of_rows(best.depth))
+    value, deviation = nuisances(found, best.spread, r.left(best.depth))
     names = r.survey.occasion_names
     told: dict[str, object] = {}
     kinds = ((0, "zero_error", r.survey.sign * factor), (3, "tonnage_book", 1.0), (5, "scale_error", 1.0))

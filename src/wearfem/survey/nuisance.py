@@ -141,7 +141,7 @@ def disturbance(
             add(by_life * (at**2 / past.bent)[:, None], 9)
         if past.steepness.any():
             add(past.steepness[survey.life] * at[:, None], 8)
-    add(by_life, 4 if thickness_free else 1)
+    add(by_life, 1)
     if thickness_free:
         add(np.ones((rows, 1)), 4)
         labels[-1] = np.array([lives])  # common to all plates, and of none
@@ -265,6 +265,7 @@ def fit_spread(
 
     first = np.log(np.maximum(np.array(list(_values(start).values())) / unit, 1.01 * LEAST_SHARE))
     limits = [(first[0] - 4.0, first[0] + 4.0)] + [(floor, np.log(100.0))] * 9
+    limits[2] = (floor, np.log(1e5))  # plates of another kind
     best = minimize(
         negative, first, jac=True, method="L-BFGS-B", bounds=limits, options={"maxiter": 25, "ftol": 1e-7}
     )
