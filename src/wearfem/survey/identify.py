@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import least_squares, nnls
+from scipy.special import logsumexp
 
 from wearfem.errors import UserError
 from wearfem.survey.candidates import Candidate
@@ -33,6 +34,7 @@ ROUNDS = 3  # of parameters and standard deviations in turn
 KEPT = 2  # starts that are followed to their end
 SEARCHED = 4  # starts that are searched; more are screened first
 ENOUGH = 6  # lines that tell the scatter of readings
+LEAST_SHARE = 1e-3  # of probability: entries of a list that are less probable are left out of a mean
 COEFFICIENT_PRIOR = 1.5  # standard deviation of the logarithm of the coefficient about its first guess
 
 
@@ -187,8 +189,9 @@ class Fit:
         What it was fitted to.
     depth
         (l, m) wear at the ends of intervals.
-    expected
-        (l, m) the same, as a mean over what was looked for on a list (which patch is covered), by its probability.
+    expected, undecided
+        (l, m) the same, as a mean over what was looked for on a list (which points a patch covers), by its probability; and the standard
+        deviation over that list.
     """
 
     suspects: tuple[Candidate, ...]
@@ -199,6 +202,7 @@ class Fit:
     readings: Readings
     depth: np.ndarray
     expected: np.ndarray
+    undecided: np.ndarray
 
     @property
     def name(self) -> str:
@@ -317,15 +321,16 @@ def _settle(problem: "_Problem", coordinate: np.ndarray, spread: Spread) -> Fit:
     precision = jacobian.T @ jacobian + np.eye(len(moving))
     deviation = np.zeros((len(coordinate), len(coordinate)))
     deviation[np.ix_(moving, moving)] = np.linalg.inv(precision)
+    expected, undecided, listed = problem.over_lists(coordinate, spread, depth)
     evidence = (
         log_likelihood(found, spread, residual)
         + log_prior(spread, data.gauge, data.reference)
         - 0.5 * float(coordinate[moving] @ coordinate[moving])
         - 0.5 * float(np.linalg.slogdet(precision)[1])
         - sum(suspect.penalty for suspect in problem.suspects)
+        + listed
     )
-    expected = problem.expected(coordinate, spread, depth)
-    return Fit(problem.suspects, coordinate, deviation, spread, evidence, data, depth, expected)
+    return Fit(problem.suspects, coordinate, deviation, spread, evidence, data, depth, expected, undecided)
 
 
 class _Problem:
@@ -344,26 +349,32 @@ class _Problem:
     def depth(self, coordinate: np.ndarray) -> np.ndarray:
         return depths(self.data.past, model_at(self.data, self.suspects, coordinate))
 
-    def expected(self, coordinate: np.ndarray, spread: Spread, depth: np.ndarray) -> np.ndarray:
-        """(l, m) mean depth over the lists that frozen coordinates number, by their probability at the other coordinates"""
+    def over_lists(
+        self, coordinate: np.ndarray, spread: Spread, depth: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, float]:
+        """What is looked for on lists, at the other coordinates: the mean depth (l, m) by the probability of the entries, its standard
+        deviation (l, m), and the logarithm of the evidence of all entries, each times its prior probability, over that of the one here."""
         lists: list[tuple[int, np.ndarray]] = []
         at = self.data.coefficients
         for suspect in self.suspects:
             at += len(suspect.free)
-            lists += [(i, np.unique(suspect.starts[:, i - at])) for i in range(at - suspect.frozen, at)]
+            lists += [(at - 1, suspect.share)] * suspect.frozen
         root = self.root(coordinate, spread) if lists else np.zeros((0, 0))
-        for place, entries in lists:
-            others = np.tile(coordinate, (len(entries), 1))
-            others[:, place] = entries
+        mean, variance, total = depth, np.zeros_like(depth), 0.0
+        for place, share in lists:
+            others = np.tile(coordinate, (len(share), 1))
+            others[:, place] = np.arange(len(share))
             half = np.array([0.5 * np.sum(self.residual(other, root) ** 2) for other in others])
-            weight = np.exp(half.min() - half)
-            likely = weight > 1e-3
-            weight /= weight[likely].sum()
-            if likely.sum() > 1:
-                depth = depth + sum(
-                    w * (self.depth(o) - depth) for w, o in zip(weight[likely], others[likely], strict=True)
-                )
-        return depth
+            belief = np.log(share) - half
+            sum_of_all = float(logsumexp(belief))
+            total += sum_of_all + float(half[round(coordinate[place])])
+            weight = np.exp(belief - sum_of_all)
+            likely = weight > LEAST_SHARE
+            told = np.array([self.depth(other) for other in others[likely]])
+            middle = np.tensordot(weight[likely] / weight[likely].sum(), told, 1)
+            variance = variance + np.tensordot(weight[likely], (told - middle) ** 2, 1)
+            mean = mean + middle - depth
+        return mean, np.sqrt(variance), total
 
     def first(self, start: Fit | None) -> np.ndarray:
         known = np.zeros(self.data.coefficients) if start is None else start.coordinate
