@@ -69,13 +69,19 @@ class Effect:
 
 @dataclass(frozen=True)
 class HeldOut:
-    """What the figures of `heldout_rmse` are taken over."""
+    """What the figures of `heldout_rmse` are taken over.
+
+    `undecided_points` are those, never fitted, of which the others do not tell whether the effect covers them (they lie at the border of
+    a patch), by more than the gauge's error; `decided_rmse` is the error of the improved model on the readings of all others.
+    """
 
     points: tuple[str, ...]
     occasions: tuple[str, ...]
     readings: int
     straight_line_readings: int
     named_without_them: tuple[str, ...] | None
+    undecided_points: tuple[str, ...]
+    decided_rmse: float | None
 
 
 @dataclass(frozen=True)
@@ -142,7 +148,7 @@ def diagnose(survey: Survey, *, name_without: bool = True) -> Diagnosis:
         survey, doubts, choice, noise_tests(choice.plain), after,
         _baseline(data, held, factor), _straight_line(data, held, factor), _score(improved, data, held, factor),
         choice.best.spread.gauge / factor, _verdict(choice, effects, after), effects,
-        _nuisance(choice.best, factor), _held_out_names(data, held, named), notes,
+        _nuisance(choice.best, factor), _held_out_names(data, held, named, improved), notes,
     )  # fmt: skip
 
 
@@ -342,7 +348,7 @@ def _nuisance(best: Fit, factor: float) -> dict[str, object]:
     """Zero errors by occasion [measured unit], the tonnage book by interval [-], scatter of places [-], with 90 % intervals"""
     r = best.readings
     found = best.disturbance
-    value, deviation = nuisances(found, best.spread, r.worn - r.past.of_rows(best.depth))
+    value, deviation = nuisances(found, best.spread, r.left(best.depth))
     names = r.survey.occasion_names
     told: dict[str, object] = {}
     kinds = ((0, "zero_error", r.survey.sign * factor), (3, "tonnage_book", 1.0), (5, "scale_error", 1.0))
@@ -383,15 +389,24 @@ def run_own_sampling(fitted: Fit) -> float:
     return float(np.median(error / np.maximum(fitted.depth[:, -1], 1e-300)))
 
 
-def _held_out_names(data: Readings, held: np.ndarray, named: tuple[str, ...] | None) -> HeldOut:
-    survey = data.survey
+def _held_out_names(
+    data: Readings, held: np.ndarray, named: tuple[str, ...] | None, improved: Fit
+) -> HeldOut:
+    survey, asked = data.survey, data.only(held)
     seen_points = set(survey.point[~held & ~survey.is_new].tolist())
     seen_occasions = set(survey.occasion[~held].tolist())
     points = [survey.point_names[p] for p in np.unique(survey.point) if p not in seen_points]
     occasions = [survey.occasion_names[o] for o in np.unique(survey.occasion) if o not in seen_occasions]
+    open_points = np.unique(
+        asked.survey.point[asked.past.of_rows(improved.undecided) > improved.spread.gauge]
+    )
+    decided = asked.only(~np.isin(asked.survey.point, open_points))
+    left = decided.worn - improved.predict(decided)
     return HeldOut(
         tuple(points), tuple(occasions), int(held.sum()),
         int((held & np.isin(survey.life, np.unique(survey.life[~held & ~survey.is_new]))).sum()), named,
+        tuple(survey.point_names[p] for p in open_points),
+        float(np.sqrt(np.mean(left**2))) / survey.measured_factor if len(left) else None,
     )  # fmt: skip
 
 
