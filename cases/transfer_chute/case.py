@@ -50,7 +50,7 @@ SPECIFIC_WEAR_RATE = 3.0e-13  # [m2/N]
 ONSET = 28.36 * degree  # where the ore first meets the chute
 INLET_LENGTH = 0.1  # [m] along x
 ZONE_2 = (35.34 * degree, 64.15 * degree)
-ARC_DROP = 1.8  # [m] h3: a drop of 2 m x sin(64.16 degrees), so the arc ends where zone 2 does
+ARC_END = asin(0.9)  # 64.16 degrees, where zone 2 ends: h3 is a drop of 1.8 m of 2 m
 PUBLISHED = (0.97e-10, 1.72e-10, 0.48e-10)  # [m3/s] worn off zones 1, 2, 3; powers of ten partly lost
 
 # Chosen.
@@ -62,7 +62,7 @@ DRAWN = 5.0  # [-] how much thicker the chute is drawn than it is
 WARM_UP = 0.5  # [s] from the first particle to a steady stream
 BLOCK = 0.05  # [s] over which loads are summed for their standard error
 
-CHUTE = CurvedChute(RADIUS, ARC_BEGIN, asin(ARC_DROP / RADIUS), STRAIGHT, THICKNESS, WIDTH, SIDE, SLOPE)
+CHUTE = CurvedChute(RADIUS, ARC_BEGIN, ARC_END, STRAIGHT, THICKNESS, WIDTH, SIDE, SLOPE)
 STEEL = Material("steel", 7932.0, 78 * GPa, 0.3)
 
 
@@ -217,7 +217,7 @@ def case(
     stream = Stream(shear_modulus, coarsening, slice_width, step, seed, rolling_friction, throughput)
     liner = Liner(CHUTE.slice(slice_width, mesh_size) if slice_width else CHUTE.trough(mesh_size), STEEL)
     return LifeCase(
-        name="transfer_chute",
+        name=Path(__file__).parent.name,
         flow=stream.nothing,
         sampler=Particles(stream.model),
         liner=liner,
