@@ -275,19 +275,17 @@ class Measure:
     def __call__(self, history: History) -> tuple[Figure, ...]:
         """The life, and the rates of wear of the new and of the worn chute."""
         told, worn = history.life[-1], wear_surface(history.state.now.liner)
-        kept = worn.facet_count == len(
-            self.new.mesh.wear
-        )  # else all rates are told on the facets of another mesh
+        # Else all rates are told on the facets of another mesh.
+        kept = worn.facet_count == len(self.new.mesh.wear)
         first = zone_wear(history.samples[0].rate, wear_surface(self.new) if kept else worn, self.stream)
         last = zone_wear(history.samples[-1].rate, worn, self.stream)
         straight = float((history.allowed_depth / history.rate[0]).min())
+        end = "end of life" if history.ended == "end of life" else "end of life, at the last rate"
         rows = [
-            Figure("end of life", told.time / day, "d"),
-            Figure(
-                "end of life, half of its 90 % interval", history.reports[-1].end_error(NINETY) / day, "d"
-            ),
+            Figure(end, told.time / day, "d"),
+            Figure("half of its 90 % interval", history.reports[-1].end_error(NINETY) / day, "d"),
             Figure("ore until then", told.time * self.stream.feed_rate / kilotonne, "kt"),
-            Figure("end of life, had the new chute's rate stayed", straight / day, "d"),
+            Figure("end of life, had the first rate stayed", straight / day, "d"),
             Figure(
                 "place that is worn out first", float(np.degrees(facet_angle(worn)[told.facet])), "degree"
             ),
