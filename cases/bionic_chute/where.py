@@ -85,7 +85,8 @@ def table() -> str:
 def left_standing() -> str:
     """The relief of the worn face in words."""
     told = {name: 1e3 * value for name, value in json.loads(RESULTS.read_text())["relief"].items()}
-    return f"{told['highest']:.2f} mm above to {-told['lowest']:.2f} mm below the face between (standard deviation {told['deviation']:.2f} mm)"
+    deviation = f"standard deviation {told['deviation']:.2f} mm"
+    return f"{told['highest']:.2f} mm above to {-told['lowest']:.2f} mm below the face between ({deviation})"
 
 
 def main() -> None:
