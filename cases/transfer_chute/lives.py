@@ -8,6 +8,7 @@ import argparse
 import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
+from math import nan
 from pathlib import Path
 from typing import Any
 
@@ -45,15 +46,14 @@ class Told:
     settings: dict[str, Any]
     life: float  # [d]
     half: float  # [d] of its 90 % interval
-    straight: float  # [d] had the new chute's rate stayed
-    ore: float  # [kt]
-    angle: float  # [degree] that is worn out first
-    arc_deepest: float  # [mm] lost by zone 2 at the end of life
-    cycles: int
-    flow: float  # [s] sampled
-    lines: list[str]  # as printed: first cycle, last two, and how it ended
-    version: str
-    commit: str
+    commit: str  # of wearfem
+    straight: float = nan  # [d] had the new chute's rate stayed
+    ore: float = nan  # [kt]
+    angle: float = nan  # [degree] that is worn out first
+    arc_deepest: float = nan  # [mm] lost by zone 2 at the end of life
+    cycles: int = 0
+    flow: float = nan  # [s] sampled
+    lines: tuple[str, ...] = ()  # as printed: first cycle, last two, and how it ended
 
 
 def told(run: Path, settings: Mapping[str, Any]) -> Told:
@@ -78,8 +78,7 @@ def told(run: Path, settings: Mapping[str, Any]) -> Told:
         arc_deepest=1e3 * float(history.depth[-1][zone_2].max()),
         cycles=int(figures["cycles"]),
         flow=figures["flow sampled"],
-        lines=[first, before, last, f"ended: {history.ended}"],
-        version=manifest["versions"]["wearfem"],
+        lines=(first, before, last, f"ended: {history.ended}"),
         commit=manifest["git_commit"],
     )
 

@@ -65,11 +65,6 @@ class Sample:
         """(b,) of all facets together"""
         return lag_products(self.rate)
 
-    def weighted(self, weight: np.ndarray) -> tuple[float, float]:
-        """Mean and standard error of the sum of rates times weights (f,), with what neighbours have in common."""
-        series = self.rate @ weight
-        return float(series.mean()), float(standard_error(series[:, None])[0])
-
 
 def corrected_depth(samples: Sequence[Sample]) -> np.ndarray:
     """(f,) [m] worn off at the service time of the last sample: the trapezoid rule over all rates"""
