@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from wearfem.exposure import Foot, sampling
+from wearfem.improve import coefficient_alone
 from wearfem.survey.course import Course, Sampling, at_own_pace
 from wearfem.survey.diagnose import diagnose
 from wearfem.survey.history import Model, depths
@@ -140,6 +141,20 @@ def test_chi_squared_is_calibrated(tmp_path):
     # the mean of 60 x 168 squares errs by sqrt(2 / 10080) = 1.4 %; four of these. What is left out adds next to nothing
     assert np.mean(known) == pytest.approx(1.0, abs=0.056)
     assert np.mean(unknown) > 2.0
+
+
+def test_a_coefficient_knows_what_the_run_does_not(tmp_path):
+    """The scatter of the coefficient alone over runs, beside the standard deviation that each tells"""
+    random = np.random.default_rng(13)
+    found = []
+    for _ in range(60):
+        data = readings(survey_along(tmp_path, run(random), run().depth_at, random, 0.1))
+        told = coefficient_alone(data, None)
+        found.append((told.place[0], told.deviation[0]))
+    place, deviation = np.array(found).T
+    # 60 draws tell a standard deviation to 9 %; three of these. Noise of each place by itself is counted in the scatter too: 5 % more
+    assert np.sqrt(np.mean(deviation**2)) == pytest.approx(np.std(place), rel=0.32)
+    assert abs(place.mean()) < 4.0 * np.std(place) / np.sqrt(60)  # and it is not biased: four standard errors
 
 
 def test_a_table_of_exposures_has_none(tmp_path):
