@@ -198,10 +198,7 @@ def improve(
 
     coefficient = loop.repeat("coefficient", coefficient_alone)
     suspects = found.choice.best.suspects
-    effects = loop.repeat("effects", _refit(suspects)) if suspects else coefficient
-    while len(suspects) > 1 and (rest := needed(effects[-1], found.choice.odds)) != suspects:
-        suspects = rest
-        effects = loop.repeat("effects", _refit(suspects), effects)
+    effects = loop.repeat("effects", _refit(suspects), found.choice.odds) if suspects else coefficient
     before, after = loop.score(coefficient[-1]), loop.score(effects[-1])
     no_better = (after.heldout_rmse or 0.0) > 1.02 * (before.heldout_rmse or np.inf)
     if no_better:
@@ -257,18 +254,22 @@ class _Loop:
     quiet: bool
     say: Callable[[str], None]
 
-    def repeat(self, name: str, refit: Refit, before: tuple[Round, ...] = ()) -> tuple[Round, ...]:
-        """Coupled runs until the readings along the last say what was put into it, or the rounds are over; after those `before`."""
-        data = readings(self.given.only(self.train))
-        if before and before[-1].told.fitted is not None:
-            data = before[-1].told.fitted.readings
-        told = refit(data, None)
-        done = list(before)
+    def repeat(self, name: str, refit: Refit, odds: float | None = None) -> tuple[Round, ...]:
+        """Coupled runs until the readings along the last say what was put into it, or the rounds are over.
+
+        With the prior log odds of an effect, each run is asked whether it needs all that it has; what it does not is taken out.
+        """
+        told = refit(readings(self.given.only(self.train)), None)
+        done: list[Round] = []
         for _ in range(self.rounds):
             done.append(self.round(self.out / "rounds" / f"{name}-{len(done) + 1}", told, refit))
-            told = done[-1].told
+            told, fitted = done[-1].told, done[-1].told.fitted
             self.say(self._line(name, done))
-            if done[-1].change < PART:
+            rest = needed(done[-1], odds) if odds is not None and fitted and len(fitted.suspects) > 1 else ()
+            if rest and fitted and rest != fitted.suspects:
+                refit = _refit(rest)
+                told = refit(fitted.readings, None)
+            elif done[-1].change < PART:
                 break
         return tuple(done)
 
