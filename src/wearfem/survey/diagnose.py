@@ -8,7 +8,16 @@ from scipy.optimize import least_squares
 
 from wearfem.errors import UserError, in_words
 from wearfem.survey.candidates import Candidate, log_steps
-from wearfem.survey.choose import EVEN_BEND, EVEN_BOOK, EVEN_SCALE, EVEN_SCATTER, Choice, choose, uneven
+from wearfem.survey.choose import (
+    ALIKE,
+    EVEN_BEND,
+    EVEN_BOOK,
+    EVEN_SCALE,
+    EVEN_SCATTER,
+    Choice,
+    choose,
+    uneven,
+)
 from wearfem.survey.doubt import Doubt, doubted
 from wearfem.survey.history import depths
 from wearfem.survey.identify import COEFFICIENT_PRIOR, Fit, Readings, fit, model_at, readings
@@ -125,7 +134,7 @@ def diagnose(survey: Survey, *, name_without: bool = True) -> Diagnosis:
     plain = improved = fit(data.only(~held))
     if choice.best.suspects:
         improved = fit(data.only(~held), choice.best.suspects)
-        if held.any() and predicted_better(choice, plain, improved) < 0.0:
+        if held.any() and predicted_better(choice, plain, improved) < -ALIKE:
             choice = Choice(choice.plain, choice.plain, choice.tried, choice.odds, ())  # it does not predict
             improved = plain
     named = None
@@ -147,7 +156,9 @@ def predicted_better(choice: Choice, plain: Fit, improved: Fit) -> float:
     """[nats] by which the readings held out are more probable with the effect than without, given the others.
 
     The density of what is held out, given the rest, is that of all readings over that of the rest; so whatever is uncertain in either
-    model (which points a patch covers) is paid for, and a prediction that claims no more than it knows is not punished.
+    model (which points a patch covers) is paid for, and a prediction that claims no more than it knows is not punished. An effect is
+    dropped where this speaks against it by odds of 20. Below 0 would not do: where the readings held out happen not to feel the effect
+    (an occasion as warm as the others), the sign is chance.
     """
     return (choice.best.log_evidence - improved.log_evidence) - (
         choice.plain.log_evidence - plain.log_evidence
