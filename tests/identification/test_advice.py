@@ -97,22 +97,26 @@ def test_a_stretched_forecast_keeps_its_median_and_ends_no_plate_in_the_past(sur
     )  # no median, nothing to stretch about
 
 
-def by_its_own(name, tmp_path, *, points=12, occasions=7, noise=0.1):
-    """Survey of a plant whose rates go up and down for reasons that nobody wrote down"""
-    made = plants().plant("none", 11, points=points, occasions=occasions, noise=noise)
-    factor = np.array({"wandering": [1.0, 0.6, 1.5, 0.5, 1.6, 0.7, 1.3]}[name])
-    clean = march(made.exposure, made.tonnage, lambda d, t, j: np.full(points, factor[j]))
-    read = clean + np.random.default_rng(11).normal(0.0, noise, clean.shape)
-    plant = Plant(name, (), made.point, made.tonnage, made.exposure, clean, np.round(read, 3), noise, {}, {})
-    return read_survey(*plant.write(tmp_path)[:1], exposure=tmp_path / "exposure.csv")
-
-
 def test_a_plant_whose_hardness_falls_is_planned_by_the_effect():
     survey = surveyed(plants().plant("hardness_gradient", 11, points=12, occasions=6), 6)
     ahead = forecast(diagnose(survey, name_without=False).choice, 30e-3, draws=200)
     tested = back_test(survey)
     assert advised(ahead, tested).outlook.name == FULL
     assert tested.rmse[2] < 0.5 * min(tested.rmse[:2])
+
+
+def test_a_plant_that_takes_two_ores_in_turn_is_planned_by_a_line(tmp_path):
+    # nobody wrote the ores down, so what the readings of so many intervals look like, running-in, does not go on
+    made = plants().plant("none", 11, points=12, occasions=6)
+    clean = march(made.exposure, made.tonnage, lambda d, t, j: np.full(12, 0.7 if j % 2 else 1.4))
+    read = np.round(clean + np.random.default_rng(11).normal(0.0, made.sigma, clean.shape), 3)
+    plant = Plant("two ores", (), made.point, made.tonnage, made.exposure, clean, read, made.sigma)
+    survey, exposure = plant.write(tmp_path)
+    survey = read_survey(survey, exposure=exposure)
+    found = diagnose(survey, name_without=False)
+    assert found.effects  # an effect is told, if with doubt
+    advice = advised(forecast(found.choice, 30e-3, draws=200), back_test(survey))
+    assert advice.outlook.name == LINE
 
 
 @pytest.mark.slow

@@ -62,7 +62,7 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
         rows.append(("", f"cannot be told from: {others}"))
     if found.effects:
         rows.append(("added", _error(found.improved, unit)))
-        if found.heldout.undecided_points:
+        if found.heldout.undecided:
             rows.append(("", _undecided(found)))
         rows.append(("what is left", _noise(found.tests_after, False)))
         without = found.heldout.named_without_them
@@ -110,14 +110,15 @@ def _error(score: Score, unit: str) -> str:
 
 
 def _undecided(found: Diagnosis) -> str:
-    """Points whose readings, kept back, no other reading foretells"""
-    points, rest = found.heldout.undecided_points, found.heldout.decided_rmse
-    words = f"whether it covers {in_words(points)} is told by no other point, so the error there is that of a guess"
-    return (
-        words
-        if rest is None
-        else f"{words}; on all other readings never fitted {rest:.3g} {found.survey.measured_unit}"
+    """Readings, kept back, that no other tells"""
+    held = found.heldout
+    points = tuple(dict.fromkeys(point for point, _ in held.undecided))
+    words = (
+        f"{len(held.undecided)} of these {held.readings} (at {in_words(points)}) are not told by the others to within the gauge's error: "
+        "deeper than any that was fitted, or at the border of a patch"
     )
+    rest = held.decided_rmse
+    return words if rest is None else f"{words}; error on the rest {rest:.3g} {found.survey.measured_unit}"
 
 
 def _line(found: Diagnosis, unit: str) -> str:
