@@ -220,7 +220,7 @@ def by_load(past: History, knots: int) -> list[Candidate]:
         found.append(
             Candidate(
                 "DeadZone", (Free("ratio", "-", between(0.0, 1.0)), Free("slip_speed", "m/s", lambda u: slow[round(u)])),
-                lambda v: library.DeadZone(v[1], v[0]), product([-0.5], [0.0, 1.0, 2.0, 3.0]), "slip_speed", share=np.full(len(slow), 1.0 / len(slow)),
+                lambda v: library.DeadZone(v[1], v[0]), product([-0.5], [0.0, 1.0, 2.0, 3.0]), "slip_speed", share=np.full(4, 0.25),
             )
         )  # fmt: skip
     angle = past.feature.get("impact_angle")

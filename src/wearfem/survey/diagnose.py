@@ -9,11 +9,11 @@ from scipy.optimize import least_squares
 from wearfem.errors import UserError, in_words
 from wearfem.survey.candidates import Candidate, log_steps
 from wearfem.survey.choose import (
+    ALIKE,
     EVEN_BEND,
     EVEN_BOOK,
     EVEN_SCALE,
     EVEN_SCATTER,
-    SUSPECTED,
     Choice,
     choose,
     uneven,
@@ -71,8 +71,8 @@ class Effect:
 class HeldOut:
     """What the figures of `heldout_rmse` are taken over.
 
-    `undecided_points` are those, never fitted, of which the others do not tell whether the effect covers them (they lie at the border of
-    a patch), by more than the gauge's error; `decided_rmse` is the error of the improved model on the readings of all others.
+    `undecided` (point, occasion) are those that the fitted ones do not tell to within the gauge's error, even if the improved model is
+    right: at the border of a patch, or where wear is deeper than any that was fitted. `decided_rmse` is its error on all the others.
     """
 
     points: tuple[str, ...]
@@ -80,7 +80,7 @@ class HeldOut:
     readings: int
     straight_line_readings: int
     named_without_them: tuple[str, ...] | None
-    undecided_points: tuple[str, ...]
+    undecided: tuple[tuple[str, str], ...]
     decided_rmse: float | None
 
 
@@ -134,7 +134,7 @@ def diagnose(survey: Survey, *, name_without: bool = True) -> Diagnosis:
     plain = improved = fit(data.only(~held))
     if choice.best.suspects:
         improved = fit(data.only(~held), choice.best.suspects)
-        if held.any() and predicted_better(choice, plain, improved) < -SUSPECTED:
+        if held.any() and predicted_better(choice, plain, improved) < -ALIKE:
             choice = Choice(choice.plain, choice.plain, choice.tried, choice.odds, ())  # it does not predict
             improved = plain
     named = None
@@ -158,7 +158,8 @@ def predicted_better(choice: Choice, plain: Fit, improved: Fit) -> float:
     The density of what is held out, given the rest, is that of all readings over that of the rest; so whatever is uncertain in either
     model (which points a patch covers) is paid for, and a prediction that claims no more than it knows is not punished. The readings
     held out have had their say in the evidence of all, and nuisances fitted to fewer readings make this difference uncertain by about one
-    nat: an effect is taken back where they speak against it by as much as makes one suspected, not where they are silent.
+    nat; so an effect is dropped where they speak against it by odds of 20, not where they happen not to feel it (an occasion as warm as
+    the others).
     """
     return (choice.best.log_evidence - improved.log_evidence) - (
         choice.plain.log_evidence - plain.log_evidence
@@ -397,15 +398,15 @@ def _held_out_names(
     seen_occasions = set(survey.occasion[~held].tolist())
     points = [survey.point_names[p] for p in np.unique(survey.point) if p not in seen_points]
     occasions = [survey.occasion_names[o] for o in np.unique(survey.occasion) if o not in seen_occasions]
-    open_points = np.unique(
-        asked.survey.point[asked.past.of_rows(improved.undecided) > improved.spread.gauge]
-    )
-    decided = asked.only(~np.isin(asked.survey.point, open_points))
-    left = decided.worn - improved.predict(decided)
+    undecided = improved.doubt(asked) > improved.spread.gauge
+    left = (asked.worn - improved.predict(asked))[~undecided]
     return HeldOut(
         tuple(points), tuple(occasions), int(held.sum()),
         int((held & np.isin(survey.life, np.unique(survey.life[~held & ~survey.is_new]))).sum()), named,
-        tuple(survey.point_names[p] for p in open_points),
+        tuple(
+            (survey.point_names[p], survey.occasion_names[o])
+            for p, o in zip(asked.survey.point[undecided], asked.survey.occasion[undecided], strict=True)
+        ),
         float(np.sqrt(np.mean(left**2))) / survey.measured_factor if len(left) else None,
     )  # fmt: skip
 
