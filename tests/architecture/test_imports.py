@@ -26,6 +26,7 @@ LAYERS = (
     {"pictures", "record_mesh"},
     {"render"},
     {"life", "history", "record", "cycle", "formula", "values", "progress"},
+    {"known"},
     {"case"},
     {"plan"},
     {"settings"},

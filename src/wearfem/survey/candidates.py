@@ -271,15 +271,15 @@ def by_place(past: History) -> list[Candidate]:
             )
         )  # fmt: skip
     if len(place) >= 8:
-        found.append(_patch(place))
+        found.append(_patch(place, float(past.begin.min()), float(past.end.max())))
     return found
 
 
-def _patch(place: np.ndarray) -> Candidate:
+def _patch(place: np.ndarray, first: float, last: float) -> Candidate:
     """A round patch about any place of a plan, that holds 2 to a third of the points; each set of points once.
 
     Middles lie on a grid and at the points, and all radii are as probable; so a set of points is as probable as there are patches that
-    cover it and no other.
+    cover it and no other. It is there from the beginning, or from some progress between `first` and `last` on: three to two.
     """
     patches: dict[bytes, tuple[np.ndarray, float]] = {}
     weight: dict[bytes, float] = {}
@@ -302,12 +302,16 @@ def _patch(place: np.ndarray) -> Candidate:
     number = Free("patch", "-", lambda u: u)
 
     def build(value: Sequence[float]) -> Suspect:
-        centre, radius = all_patches[round(value[1])]
-        return library.BuildUp((float(centre[0]), float(centre[1]), float(centre[2])), radius, value[0])
+        centre, radius = all_patches[round(value[2])]
+        return library.BuildUp(
+            (float(centre[0]), float(centre[1]), float(centre[2])), radius, value[0], value[1]
+        )
 
-    starts = product([-0.3], np.arange(len(all_patches), dtype=float).tolist())
+    later = between(first - 1.5 * (last - first), last)
+    since = Free("since", "progress", lambda u: max(later(u), 0.0))
+    starts = product([-0.3], [0.0, 0.6, 1.1], np.arange(len(all_patches), dtype=float).tolist())
     return Candidate(
-        "BuildUp", (Free("ratio", "-", between(0.0, 1.0)), number), build, starts, "position", share=share / share.sum(),
+        "BuildUp", (Free("ratio", "-", between(0.0, 1.0)), since, number), build, starts, "position", share=share / share.sum(),
     )  # fmt: skip
 
 

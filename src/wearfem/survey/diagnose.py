@@ -9,11 +9,11 @@ from scipy.optimize import least_squares
 from wearfem.errors import UserError, in_words
 from wearfem.survey.candidates import Candidate, log_steps
 from wearfem.survey.choose import (
-    ALIKE,
     EVEN_BEND,
     EVEN_BOOK,
     EVEN_SCALE,
     EVEN_SCATTER,
+    SUSPECTED,
     Choice,
     choose,
     uneven,
@@ -134,7 +134,7 @@ def diagnose(survey: Survey, *, name_without: bool = True) -> Diagnosis:
     plain = improved = fit(data.only(~held))
     if choice.best.suspects:
         improved = fit(data.only(~held), choice.best.suspects)
-        if held.any() and predicted_better(choice, plain, improved) < -ALIKE:
+        if held.any() and predicted_better(choice, plain, improved) < -SUSPECTED:
             choice = Choice(choice.plain, choice.plain, choice.tried, choice.odds, ())  # it does not predict
             improved = plain
     named = None
@@ -156,9 +156,9 @@ def predicted_better(choice: Choice, plain: Fit, improved: Fit) -> float:
     """[nats] by which the readings held out are more probable with the effect than without, given the others.
 
     The density of what is held out, given the rest, is that of all readings over that of the rest; so whatever is uncertain in either
-    model (which points a patch covers) is paid for, and a prediction that claims no more than it knows is not punished. An effect is
-    dropped where this speaks against it by odds of 20. Below 0 would not do: where the readings held out happen not to feel the effect
-    (an occasion as warm as the others), the sign is chance.
+    model (which points a patch covers) is paid for, and a prediction that claims no more than it knows is not punished. The readings
+    held out have had their say in the evidence of all, and nuisances fitted to fewer readings make this difference uncertain by about one
+    nat: an effect is taken back where they speak against it by as much as makes one suspected, not where they are silent.
     """
     return (choice.best.log_evidence - improved.log_evidence) - (
         choice.plain.log_evidence - plain.log_evidence
@@ -348,7 +348,7 @@ def _nuisance(best: Fit, factor: float) -> dict[str, object]:
     """Zero errors by occasion [measured unit], the tonnage book by interval [-], scatter of places [-], with 90 % intervals"""
     r = best.readings
     found = best.disturbance
-    value, deviation = nuisances(found, best.spread, r.worn - r.past.of_rows(best.depth))
+    value, deviation = nuisances(found, best.spread, r.left(best.depth))
     names = r.survey.occasion_names
     told: dict[str, object] = {}
     kinds = ((0, "zero_error", r.survey.sign * factor), (3, "tonnage_book", 1.0), (5, "scale_error", 1.0))
@@ -373,9 +373,20 @@ def _nuisance(best: Fit, factor: float) -> dict[str, object]:
     told["place_to_place_scatter"] = best.spread.scatter
     told["smooth_error_of_the_rate"] = best.spread.smooth
     told["smooth_error_of_a_campaign"] = best.spread.warp / factor if r.past.warped.shape[1] else 0.0
+    told["run_own_sampling"] = run_own_sampling(best)
     told["bend_deviation"] = best.spread.bend if r.past.bent else 0.0
     told["initial_reading_deviation"] = best.spread.initial / factor
     return told
+
+
+def run_own_sampling(fitted: Fit) -> float:
+    """[-] what the run that gives the exposure does not know of the depth at the last readings: the median of its standard errors"""
+    past = fitted.readings.past
+    if not past.sampled.shape[2]:
+        return 0.0
+    growth = np.diff(fitted.depth, axis=1, prepend=0.0)
+    error = np.sqrt(np.square((growth[:, :, None] * past.sampled).sum(axis=1)).sum(axis=1))
+    return float(np.median(error / np.maximum(fitted.depth[:, -1], 1e-300)))
 
 
 def _held_out_names(

@@ -56,6 +56,9 @@ class Readings:
         Whether that is given, or guessed from enough lines.
     thickness_free
         Whether the new thickness is known from readings only.
+    offset
+        (n,) [SI] by which the plate, when new, was read above the mean of all plates; 0 where the new thickness was told. A single
+        reading errs by the gauge, and `worn` with it; so plates are taken to be alike as far as their readings allow.
     coefficient
         First guess of the coefficient.
     ratio
@@ -69,6 +72,7 @@ class Readings:
     reference: float
     reference_known: bool
     thickness_free: bool
+    offset: np.ndarray
     coefficient: float
     ratio: tuple[float, ...] = ()
 
@@ -87,18 +91,24 @@ class Readings:
         """Depths at which wear was read, for a curve over depth to bend where there are readings"""
         return np.append(0.0, self.worn[self.worn > 0.0])
 
+    def left(self, depth: np.ndarray) -> np.ndarray:
+        """What of the readings (n,) is left to nuisances, where a model says that depth (l, m) is worn."""
+        return self.worn - self.offset - self.past.of_rows(depth)
+
     def only(self, keep: np.ndarray) -> "Readings":
         """The readings (n,) of `keep`; history and sizes stay those of the whole."""
         past = replace(
             self.past, row_life=self.past.row_life[keep], row_interval=self.past.row_interval[keep]
         )
-        return replace(self, survey=self.survey.only(keep), past=past, worn=self.worn[keep])
+        return replace(
+            self, survey=self.survey.only(keep), past=past, worn=self.worn[keep], offset=self.offset[keep]
+        )
 
 
 def readings(survey: Survey) -> Readings:
     """Wear from readings, with the first guesses that a search needs."""
     past = history(survey)
-    worn, free = _worn(survey)
+    worn, free, offset = _worn(survey)
     if not worn.max(initial=0.0) > 0.0:
         raise UserError(
             f"{survey.source} shows no wear: no reading is beyond that of a new plate; check {survey.measured_name}"
@@ -114,7 +124,7 @@ def readings(survey: Survey) -> Readings:
         ratio = tuple(r / coefficient for r in rest)
     rough, enough = _roughness(survey, worn)
     known = gauge is not None or enough
-    return Readings(survey, past, worn, gauge, gauge or rough, known, free, coefficient, ratio)
+    return Readings(survey, past, worn, gauge, gauge or rough, known, free, offset, coefficient, ratio)
 
 
 def _several(past: History, worn: np.ndarray) -> np.ndarray:
@@ -125,12 +135,13 @@ def _several(past: History, worn: np.ndarray) -> np.ndarray:
     return np.maximum(nnls(steady, worn)[0], 1e-2 * each)
 
 
-def _worn(survey: Survey) -> tuple[np.ndarray, bool]:
-    """Wear (n,) that each reading tells, and whether the new thickness comes from readings"""
+def _worn(survey: Survey) -> tuple[np.ndarray, bool, np.ndarray]:
+    """Wear (n,) that each reading tells, whether the new thickness comes from readings, and that of the plate over the mean (n,)"""
+    nothing = np.zeros(survey.size)
     if survey.sign > 0.0:
-        return survey.reading, False
+        return survey.reading, False, nothing
     if np.isfinite(survey.initial).all():
-        return survey.initial - survey.reading, False
+        return survey.initial - survey.reading, False, nothing
     new = np.full(len(survey.life_point), np.nan)
     for life in range(len(new)):
         fresh = (survey.life == life) & survey.is_new
@@ -138,7 +149,7 @@ def _worn(survey: Survey) -> tuple[np.ndarray, bool]:
             new[life] = survey.reading[fresh].mean()
     if np.isnan(new).any():
         new[np.isnan(new)] = np.nanmedian(new) if np.isfinite(new).any() else survey.reading.max()
-    return new[survey.life] - survey.reading, True
+    return new[survey.life] - survey.reading, True, (new - new.mean())[survey.life]
 
 
 def _roughness(survey: Survey, worn: np.ndarray) -> tuple[float, bool]:
@@ -212,7 +223,7 @@ class Fit:
     def predict(self, asked: Readings) -> np.ndarray:
         """Wear (n,) that other readings of the survey should show: the model, and nuisances as far as the fitted ones tell them."""
         fitted = self.readings
-        residual = fitted.worn - fitted.past.of_rows(self.expected)
+        residual = fitted.left(self.expected)
         known = disturbance(
             fitted.survey, fitted.past, self.expected, fitted.reference, fitted.thickness_free
         )
@@ -222,7 +233,7 @@ class Fit:
         new = np.array(
             [told.get((int(g), int(k)), 0.0) for g, k in zip(there.group, there.label, strict=True)]
         )
-        return asked.past.of_rows(self.expected) + there.column @ new
+        return asked.past.of_rows(self.expected) + asked.offset + there.column @ new
 
     def doubt(self, asked: Readings) -> np.ndarray:
         """Standard deviation (n,) [SI] of what the model predicts of other readings, from its parameters and from lists alone.
@@ -262,7 +273,8 @@ def model_at(data: Readings, suspects: Sequence[Candidate], coordinate: np.ndarr
 def small_spread(data: Readings) -> Spread:
     """Nuisances as a careful campaign has them; where a search begins."""
     half = 0.5 * data.reference
-    return Spread(data.reference, half, half, 0.02, 0.01, 0.01, 0.01, half, 0.005, 0.02)
+    initial = max(half, float(data.offset.std()))
+    return Spread(data.reference, half, initial, 0.02, 0.01, 0.01, 0.01, half, 0.005, 0.02)
 
 
 def fit(data: Readings, suspects: Sequence[Candidate] = (), start: Fit | None = None) -> Fit:
@@ -314,7 +326,7 @@ def _settle(problem: "_Problem", coordinate: np.ndarray, spread: Spread) -> Fit:
         before = spread
         depth = problem.depth(coordinate)
         found = disturbance(data.survey, data.past, depth, data.reference, data.thickness_free)
-        spread = fit_spread(found, data.worn - data.past.of_rows(depth), spread, data.gauge, data.reference)
+        spread = fit_spread(found, data.left(depth), spread, data.gauge, data.reference)
         coordinate, _ = problem.search(coordinate, problem.root(coordinate, spread), most=60)
         if np.allclose(
             [*before.__dict__.values()], [*spread.__dict__.values()], rtol=0.03, atol=1e-2 * data.reference
@@ -322,7 +334,7 @@ def _settle(problem: "_Problem", coordinate: np.ndarray, spread: Spread) -> Fit:
             break
     depth = problem.depth(coordinate)
     found = disturbance(data.survey, data.past, depth, data.reference, data.thickness_free)
-    residual = data.worn - data.past.of_rows(depth)
+    residual = data.left(depth)
     jacobian = problem.jacobian(coordinate, problem.root(coordinate, spread))
     moving = problem.moving
     precision = jacobian.T @ jacobian + np.eye(len(moving))
@@ -418,7 +430,7 @@ class _Problem:
         return covariance(found, spread).root()
 
     def residual(self, coordinate: np.ndarray, root: np.ndarray) -> np.ndarray:
-        return root @ (self.data.worn - self.data.past.of_rows(self.depth(coordinate)))
+        return root @ self.data.left(self.depth(coordinate))
 
     def search(self, begin: np.ndarray, root: np.ndarray, most: int) -> tuple[np.ndarray, float]:
         """The best coordinate from a start, and half the sum of squares there"""
