@@ -9,11 +9,11 @@ from scipy.optimize import least_squares
 from wearfem.errors import UserError, in_words
 from wearfem.survey.candidates import Candidate, log_steps
 from wearfem.survey.choose import (
-    ALIKE,
     EVEN_BEND,
     EVEN_BOOK,
     EVEN_SCALE,
     EVEN_SCATTER,
+    SUSPECTED,
     Choice,
     choose,
     uneven,
@@ -134,7 +134,7 @@ def diagnose(survey: Survey, *, name_without: bool = True) -> Diagnosis:
     plain = improved = fit(data.only(~held))
     if choice.best.suspects:
         improved = fit(data.only(~held), choice.best.suspects)
-        if held.any() and predicted_better(choice, plain, improved) < -ALIKE:
+        if held.any() and predicted_better(choice, plain, improved) < -SUSPECTED:
             choice = Choice(choice.plain, choice.plain, choice.tried, choice.odds, ())  # it does not predict
             improved = plain
     named = None
@@ -158,8 +158,7 @@ def predicted_better(choice: Choice, plain: Fit, improved: Fit) -> float:
     The density of what is held out, given the rest, is that of all readings over that of the rest; so whatever is uncertain in either
     model (which points a patch covers) is paid for, and a prediction that claims no more than it knows is not punished. The readings
     held out have had their say in the evidence of all, and nuisances fitted to fewer readings make this difference uncertain by about one
-    nat; so an effect is dropped where they speak against it by odds of 20, not where they happen not to feel it (an occasion as warm as
-    the others).
+    nat: an effect is taken back where they speak against it by as much as makes one suspected, not where they are silent.
     """
     return (choice.best.log_evidence - improved.log_evidence) - (
         choice.plain.log_evidence - plain.log_evidence
