@@ -25,13 +25,17 @@ FILL, MEASURE, BLOCKS = 0.45, 0.4, 16  # [s], [s], [-] for each seed
 
 
 def faces(run: Path) -> dict[str, ShellMesh]:
-    """The faces by name: thickness from above zone 2 and from zone 2, put together."""
+    """The faces by name: the stretch above zone 2 and zone 2 itself, put together."""
     new, smooth = (load_any_case(FOLDER, {"convexes": there}).liner.mesh for there in (True, False))
     worn = read_cycle(run, cycles_of(run))[0].now.liner.mesh
     wears = worn.thickness < new.thickness  # what lies above zone 2 was kept as new
 
     def put(above: ShellMesh, below: ShellMesh) -> ShellMesh:
-        return replace(new, thickness=np.where(wears, below.thickness, above.thickness))
+        return replace(
+            new,
+            thickness=np.where(wears, below.thickness, above.thickness),
+            offset=np.where(wears, below.offset, above.offset),
+        )
 
     return {
         "smooth everywhere": smooth,
