@@ -9,7 +9,7 @@ from typing import Any, NoReturn
 import click
 
 from wearfem import __version__
-from wearfem.errors import UserError
+from wearfem.errors import UserError, in_words
 
 settings_option = click.option(
     "--set",
@@ -215,6 +215,13 @@ def forecast(
 
         forecast_survey(path, asked, progress, exposure, run_folder, out, json_file)
         return
+    if beside := [
+        name for name, given in (("progress", progress), ("exposure", exposure), ("run", run_folder)) if given
+    ]:
+        words = in_words([f"--{name}" for name in beside])
+        raise UserError(
+            f"{path} is taken for the folder of a run, and {words} is for surveys; give a survey that ends in .csv"
+        )
     from wearfem.foretell import asked_for, forecast_run
 
     forecast_run(path, asked_for(**asked), out, json_file)
