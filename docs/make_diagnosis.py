@@ -214,6 +214,13 @@ def real(case: str) -> str:
     ])  # fmt: skip
 
 
+def belt_in_short() -> str:
+    """What forecasts of the belt were worth, in a line"""
+    told = json.loads((CASES / "conveyor_belt" / "found.json").read_text(encoding="utf-8"))
+    models = [f"{model['name']} {model['rmse']:.2f} {told['unit']}" for model in told["back_test"]["models"]]
+    return f"({', '.join(models)}, over {len(told['back_test']['occasions'])} inspections)"
+
+
 def end_of(end: dict[str, Any]) -> str:
     """An end of life with its interval; null is beyond reach"""
     low, high = (f"{value:.3g}" if value is not None else "later than is told" for value in end["interval"])
