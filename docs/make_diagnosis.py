@@ -1,11 +1,10 @@
 """Measure what a diagnosis is worth: python docs/make_diagnosis.py [PROCESSES]
 
-Makes the trials that docs/diagnosis_trials.csv lacks (all of them take hours of one core; a killed run goes on where it was), diagnoses the
-two real surveys anew, and draws docs/pictures/diagnosis_degrades.png. With 0 for PROCESSES nothing is tried, and the rest is done with the
-trials that there are. Then `python docs/print_pages.py` puts the figures into the pages.
+Makes the trials that docs/diagnosis_trials.csv lacks (all of them take hours of one core; a killed run goes on where it was), and draws
+docs/pictures/diagnosis_degrades.png. With 0 for PROCESSES nothing is tried, and it is drawn from the trials that there are. Then
+`python docs/print_pages.py` puts the figures into the pages.
 """
 
-import json
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -16,18 +15,9 @@ import numpy as np
 from wearfem.proofs import diagnosis
 from wearfem.proofs._trials import NOISES, READINGS, Row, designs, measure, read
 from wearfem.proofs.diagnosis import degraded, plants
-from wearfem.record import this_machine, write_json
-from wearfem.survey.backtest import NAMES, back_test
-from wearfem.survey.diagnose import diagnose
-from wearfem.survey.forecast import forecast
-from wearfem.survey.survey import read_survey
-from wearfem.survey.words import VERDICT, advice_words, back_test_values, diagnosis_values, forecast_values
 
 DOCS = Path(__file__).parent
 TRIALS = DOCS / "diagnosis_trials.csv"
-CASES = DOCS.parent / "cases"
-REAL = {"conveyor_belt": "cumulative_tonnage", "metal_sliding_wear": ""}  # column of service
-DEEPER = 1.5  # the limit of their forecasts over the deepest reading
 GREEN, GREY, RED = "#2e7d4f", "#c9c9c9", "#b3352b"
 
 
@@ -45,12 +35,8 @@ def main() -> None:
                 f"{row.seconds:.1f} s",
                 flush=True,
             )
-    for case in REAL:
-        target = CASES / case / "found.json"
-        write_json(target, found_in(case))
-        print(f"wrote {target}", flush=True)
     draw()
-    print("\n\n".join([confusion(), figures(), by_kind(), degrading(), belt(), metal()]))
+    print("\n\n".join([confusion(), figures(), by_kind(), degrading()]))
 
 
 # What the pages print, from what is stored.
@@ -96,7 +82,6 @@ def figures() -> str:
         ("the same, places differ by 3 %, the book errs by 2 %, campaigns by 0.1 mm", "under 5 %", share(shared, named)),
         ("the same where neighbours err alike in a campaign (0.2 mm over 0.8 m)", "under 5 %", share(trials("noise of neighbours"), named)),
         ("the same where points are elsewhere than told (4 cm together, 1 cm each)", "under 5 %", share(trials("points elsewhere"), named)),
-        ("a diagnosis of 40 x 8, as measured on a busy core", "60 s", spread_of([row.seconds for row in whole], "{:.0f} s")),
     ]  # fmt: skip
     return table(["what", "asked", "found"], [line for line in lines if line[2]])
 
@@ -159,72 +144,6 @@ def spread(rows: Sequence[Row], what: str) -> str:
 
 def spread_of(values: Sequence[float], how: str) -> str:
     return f"median {how.format(np.median(values))}, largest {how.format(max(values))}" if values else ""
-
-
-# Real surveys.
-
-
-def found_in(case: str) -> dict[str, Any]:
-    """Diagnosis, forecast and back-test of a real survey"""
-    survey = read_survey(CASES / case / "measured" / "survey.csv", progress=REAL[case])
-    found, tested = diagnose(survey), back_test(survey)
-    ahead = forecast(found.choice, DEEPER * float(found.choice.plain.readings.worn.max()))
-    return this_machine() | {
-        "unit": survey.measured_unit, "diagnosis": diagnosis_values(found), "forecast": forecast_values(ahead, tested),
-        "back_test": back_test_values(tested, survey), "plan_by": advice_words(ahead, tested),
-    }  # fmt: skip
-
-
-def belt() -> str:
-    """Figures of the conveyor belt"""
-    return real("conveyor_belt")
-
-
-def metal() -> str:
-    """Figures of the sliding specimens"""
-    return real("metal_sliding_wear")
-
-
-def real(case: str) -> str:
-    """What was found, each model's errors, and which forecast to plan by"""
-    told = json.loads((CASES / case / "found.json").read_text(encoding="utf-8"))
-    found, unit, ahead = told["diagnosis"], told["unit"], told["forecast"]
-    tested = {model["name"]: model for model in told["back_test"]["models"]}
-    scores = zip(NAMES, (found["straight_line"], found["baseline"], found["improved"]), strict=True)
-    ends = {model["name"]: model["zones"][0] for model in ahead["models"]}
-    named = [f"{effect['name']} (probability {effect['probability']:.2f})" for effect in found["effects"]]
-    rows = [
-        (
-            name, f"{score['heldout_rmse']:.3g} {unit}", f"{tested[name]['rmse']:.3g} {unit}", f"{tested[name]['coverage']:.0%}",
-            end_of(ends[name]),
-        )
-        for name, score in scores
-    ]  # fmt: skip
-    service = ahead["progress"].replace("_", " ")
-    head = [
-        "model",
-        "error on readings never fitted",
-        "back-test: error",
-        "readings in its 80 % interval",
-        f"first at {ahead['limit']:.3g} {unit}, {service}",
-    ]
-    return "\n".join([
-        f"Verdict: **{VERDICT[found['verdict']]}**. Named: {', '.join(named)}.", "", table(head, rows), "",
-        f"**Plan by** {told['plan_by']}: {end_of(ahead['recommended']['zones'][0])} {service}.",
-    ])  # fmt: skip
-
-
-def belt_in_short() -> str:
-    """What forecasts of the belt were worth, in a line"""
-    told = json.loads((CASES / "conveyor_belt" / "found.json").read_text(encoding="utf-8"))
-    models = [f"{model['name']} {model['rmse']:.2f} {told['unit']}" for model in told["back_test"]["models"]]
-    return f"({', '.join(models)}, over {len(told['back_test']['occasions'])} inspections)"
-
-
-def end_of(end: dict[str, Any]) -> str:
-    """An end of life with its interval; null is beyond reach"""
-    low, high = (f"{value:.3g}" if value is not None else "later than is told" for value in end["interval"])
-    return f"{end['worn_out_at']:.3g} ({low} to {high})" if end["worn_out_at"] is not None else f"after {low}"
 
 
 # The picture.

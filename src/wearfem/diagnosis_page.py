@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +22,7 @@ from wearfem.diagnosis_drawings import (
     unit_words,
 )
 from wearfem.errors import in_words
+from wearfem.page import rendered
 from wearfem.record import file_hash, now, this_machine, whole_file
 from wearfem.survey.backtest import NAMES, BackTest, advised
 from wearfem.survey.choose import Choice
@@ -81,18 +81,9 @@ def write_page(
 
 def compose(found: Diagnosis, ahead: Forecast, tested: BackTest, read: Sequence[Path], seed: int = 0) -> str:
     """The page as text."""
-    from jinja2 import Environment, StrictUndefined
-
     survey, choice, advice = found.survey, found.choice, advised(ahead, tested)
     unit = unit_words(survey.measured_unit)
     columns = columns_of(read)
-    source = files("wearfem") / "page"
-    environment = Environment(
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    environment.filters |= {
-        "error": lambda value: "none held out" if value is None else f"{value:.3g} {unit}"
-    }
     panels = left_over(found)
     gauge = found.noise_floor
     carried = {test.quantity: test for test in found.tests_before}
@@ -102,8 +93,9 @@ def compose(found: Diagnosis, ahead: Forecast, tested: BackTest, read: Sequence[
     position = choice.plain.readings.survey.feature.get("position")
     flat = position is not None and np.ptp(position[:, 0]) > 0.0 and np.ptp(position[:, 1]) > 0.0
     fitted = choice.best
-    return environment.from_string((source / "diagnosis.html").read_text(encoding="utf-8")).render(
-        style=(source / "page.css").read_text(encoding="utf-8"),
+    return rendered(
+        "diagnosis.html",
+        {"error": lambda value: "none held out" if value is None else f"{value:.3g} {unit}"},
         found=found,
         survey=survey,
         unit=unit,

@@ -26,8 +26,7 @@ from wearfem.errors import UserError
 from wearfem.wear.budget import Plan, cheapest_plan
 from wearfem.wear.course import SURPRISE, Course, kept, time_to_wear
 from wearfem.wear.first_failure import without_noise
-from wearfem.wear.sampling import Sample, statistical_inefficiency
-from wearfem.wear.sampling import corrected_depth as corrected_depth
+from wearfem.wear.sampling import Sample, corrected_depth, passage, statistical_inefficiency
 
 LARGEST_GROWTH = 2.0  # a jump over the one before: Adams-Bashforth 2 is zero-stable below 1 + sqrt(2)
 INDEPENDENT = 10  # blocks in the first sample: its variance is known within a half, sqrt(2/10)
@@ -152,7 +151,8 @@ def choose_jump(
     plan = _plan(foreseen, goal, min(longest.values()))
     longest |= {"growth": LARGEST_GROWTH * last if last else np.inf, "jump error": plan.jump}
     limited_by = min(longest, key=lambda name: longest[name])
-    left = foreseen.left if course.left > goal.tolerance * course.life else 0.0
+    ends = course.left <= goal.tolerance * course.life
+    left = 0.0 if ends else max(foreseen.left - (now.service_time - course.time[-1]), 0.0)
     way = min(left, stop)
     parts = np.ceil(way / longest[limited_by] - 1e-9)
     duration = way / parts if parts > 0 else 0.0
@@ -202,17 +202,15 @@ def is_trusted(samples: Sequence[Sample], goal: Goal) -> bool:
 def end_of_life(samples: Sequence[Sample], goal: Goal) -> Life:
     """When the first facet is worn out, with what is known of the error."""
     course = Course.along(samples, goal)
-    depth = np.zeros_like(samples[-1].mean)
-    time = np.full(len(depth), np.inf)
-    for before, after in zip(samples[:-1], samples[1:], strict=True):
-        step = after.service_time - before.service_time
-        gain = 0.5 * step * (before.mean + after.mean)
-        crossed = np.isinf(time) & (depth + gain >= goal.allowed_depth) & (gain > 0.0)
+    when, worn = passage(samples)
+    time = np.full(worn.shape[1], np.inf)
+    for number, (before, after) in enumerate(zip(samples[:-1], samples[1:], strict=True)):
+        step, depth = when[number + 1] - when[number], worn[number]
+        crossed = np.isinf(time) & (worn[number + 1] >= goal.allowed_depth) & (worn[number + 1] > depth)
         into = time_to_wear(goal.allowed_depth - depth, before.mean, (after.mean - before.mean) / step)
-        time[crossed] = before.service_time + into[crossed]
-        depth = depth + gain
+        time[crossed] = when[number] + into[crossed]
     on = np.isinf(time) & (samples[-1].mean > 0.0)
-    time[on] = samples[-1].service_time + ((goal.allowed_depth - depth)[on] / samples[-1].mean[on])
+    time[on] = when[-1] + ((goal.allowed_depth - worn[-1])[on] / samples[-1].mean[on])
     weight = course.quadrature
     weight[-1] += max(float(time.min()) - course.time[-1], 0.0)
     lives = without_noise(
