@@ -17,21 +17,19 @@ With `--json` each row is written when it is done, and those that the file holds
 
 import argparse
 import json
-import sys
 import time
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from wearfem.case import LifeCase, Window, load_any_case
+from wearfem.case import LifeCase, load_any_case
 from wearfem.dem.flow import Flow
-from wearfem.dem.sample import sample
 from wearfem.history import read_history
-from wearfem.liner.liner import Liner, wear_surface
+from wearfem.liner.liner import Liner
+from wearfem.proofs.transfer_chute import watched
 
 CASE = Path(__file__).parent
 STEADY = 0.6  # [s] after which the stream is steady
-SNAPSHOT = 0.02  # [s]
 
 BASE = {"coarsening": 2.0, "slice_width": 0.07}
 FINE = {"coarsening": 1.0, "slice_width": 0.035}
@@ -64,36 +62,25 @@ def told(
     """
     case = load_any_case(CASE, settings)
     assert isinstance(case, LifeCase)
-    module = sys.modules[case.measure.__module__]  # type: ignore[union-attr]
-    stream = case.sampler.model.__self__  # type: ignore[attr-defined]
-    surface = wear_surface(liner or case.liner)
-    model = stream.model(surface)
     begun = time.process_time()
-    flow, _, _ = sample(start or case.flow, model, Window(STEADY))
-    window = Window(seconds, round(seconds / module.BLOCK), round(seconds / SNAPSHOT))
-    flow, loads, snapshots = sample(flow, model, window)
-    passage = module.passage(stream, surface, loads, snapshots)
-    found = {
-        f"zone {zone} [1e-10 m3/s]": (1e10 * one.value, 1e10 * one.error)
-        for zone, one in enumerate(passage.wear, 1)
+    seen = watched(case, seconds, STEADY, liner, start)
+    passage, closed = seen.passage, seen.theory
+    told = {
+        **{f"zone {zone} [1e-10 m3/s]": (one, 1e10) for zone, one in enumerate(seen.wear, 1)},
+        "zone 2, closed form [1e-10 m3/s]": (closed.wear, 1e10),
+        "zone 2 over closed form [-]": (seen.wear[1].over(closed.wear), 1.0),
+        "sliding over stream speed [-]": (passage.slip, 1.0),
+        "normal force over closed form [-]": (passage.normal_force.over(closed.normal_force), 1.0),
+        "exit speed over closed form [-]": (passage.exit_speed.over(closed.exit_speed), 1.0),
+        "mu_e [-]": (passage.friction, 1.0),
+        "entry speed [m/s]": (passage.entry_speed, 1.0),
     }
-    closed = module.theory(passage)
-    for name, one, factor in (
-        ("zone 2, closed form [1e-10 m3/s]", closed.wear, 1e10),
-        ("zone 2 over closed form [-]", passage.wear[1].over(closed.wear), 1.0),
-        ("sliding over stream speed [-]", passage.slip, 1.0),
-        ("normal force over closed form [-]", passage.normal_force.over(closed.normal_force), 1.0),
-        ("exit speed over closed form [-]", passage.exit_speed.over(closed.exit_speed), 1.0),
-        ("mu_e [-]", passage.friction, 1.0),
-        ("entry speed [m/s]", passage.entry_speed, 1.0),
-    ):
-        found[name] = (factor * one.value, factor * one.error)
     return {
         "settings": dict(settings),
         "seconds": seconds,
-        "figures": found,
-        "particles": flow.particles.count,
-        "time step [s]": model.time_step,
+        "figures": {name: (factor * one.value, factor * one.error) for name, (one, factor) in told.items()},
+        "particles": seen.flow.particles.count,
+        "time step [s]": seen.time_step,
         "centre of the stream [mm]": 1e3 * passage.centre,
         "core time [s]": time.process_time() - begun,
     }

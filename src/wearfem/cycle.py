@@ -124,6 +124,12 @@ class CycleReport:
     strain: Strain | None
     event: str  # what happened to the mesh, in words
 
+    def end_error(self, deviations: float) -> float:
+        """[s] that the end of life may be off by if the rate stays: bias of jumps, noise so far, and of this rate over what is left."""
+        left, place = max(self.life.time - self.service_time, 0.0), self.life.facet
+        unsure = self.error[place] / self.rate[place] if self.kept and self.rate[place] > 0.0 else 0.0
+        return abs(self.life.bias) + deviations * float(np.hypot(self.life.noise, left * unsure))
+
 
 def first_state(case: LifeCase) -> State:
     """Before the first cycle."""

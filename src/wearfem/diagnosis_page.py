@@ -240,6 +240,7 @@ def _nuisances(found: Diagnosis, unit: str) -> list[tuple[str, str]]:
         ("error of a campaign in proportion to wear", f"{100.0 * told['scale_error_deviation']:.2g} %"),
         ("error of the tonnage book in an interval", f"{100.0 * told['tonnage_book_deviation']:.2g} %"),
         ("smooth error of the rate over place", f"{100.0 * told['smooth_error_of_the_rate']:.2g} %"),
+        ("the run's own sampling", f"{100.0 * told['run_own_sampling']:.2g} %"),
         ("smooth error of a campaign over place", f"{told['smooth_error_of_a_campaign']:.2g} {unit}"),
         ("own change of each place's rate, at the deepest wear", f"{100.0 * told['bend_deviation']:.2g} %"),
         ("scatter between places exposed alike", f"{100.0 * told['place_to_place_scatter']:.2g} %"),

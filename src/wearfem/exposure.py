@@ -13,17 +13,18 @@ import numpy as np
 
 from wearfem.cycle import CycleReport
 from wearfem.errors import UserError, in_words
-from wearfem.history import cycles_of, read_sampled
+from wearfem.history import cycles_of, read_cycle, read_sampled
 from wearfem.liner.liner import Liner, wear_surface
 from wearfem.liner.transfer import nearest_point
 from wearfem.record import read_manifest
 from wearfem.surface import Surface
 from wearfem.survey.columns import UNITS, column
-from wearfem.survey.course import Course, at_own_pace
+from wearfem.survey.course import Course, Sampling, at_own_pace
 from wearfem.survey.survey import Survey
 from wearfem.wear.effect import Effect
 from wearfem.wear.effects import Corrosion
 from wearfem.wear.features import features
+from wearfem.wear.sampling import Sample, lag_products, noise_density
 
 STATE = ("pressure", "slip_speed", "mobilised_friction", "impact_angle", "impact_work")  # what particles tell
 LEAST_PACE = 0.02  # [-] of the factor: slower, and the rate divided by it tells nothing
@@ -71,6 +72,11 @@ class Foot:
         """Of a facet field (f,) that is nowhere below 0"""
         return max(float(field[self.facet] + self.offset @ self.gradient(field)), 0.0)
 
+    def values(self, fields: np.ndarray) -> np.ndarray:
+        """(b,) of facet fields (b, f)"""
+        own = fields[:, self.facet]
+        return own + (fields[:, self.near] - own[:, None]) @ (self.offset @ self.slope)
+
 
 def exposed_by_run(
     survey: Survey, run: Path, tolerance: float | None = None, put_in: PutIn | None = None
@@ -113,7 +119,7 @@ def exposed_by_run(
     )  # (l, 3)
     feet = put_on(place, kept[0][0], run, survey, tolerance, float(kept[-1][1].depth.max()))
     put_in = put_in or PutIn(1.0)
-    rate, error, state, pace = [], [], [], []
+    rate, state, pace = [], [], []
     worn, steep = np.zeros(len(place)), np.zeros((len(place), 3))
     mesh = kept[0][0].mesh
     before = None
@@ -128,14 +134,13 @@ def exposed_by_run(
         own = np.maximum(report.rate - put_in.addition, 0.0) / faster
         rate.append([foot.value(own) for foot in feet])
         pace.append([foot.value(faster) for foot in feet])
-        error.append([report.error[foot.facet] for foot in feet])
         known = features(STATE, report.loads, liner)
         state.append([[foot.value(known[name]) for foot in feet] for name in STATE])
         steep += [foot.gradient(report.rate) for foot in feet]
         worn += rate[-1]
     progress, unit = _progress(survey, run, [report for _, report in kept])
-    span = np.gradient(progress)[:, None] if len(progress) > 1 else np.ones((1, 1))
-    noise = np.sqrt(((span * error) ** 2).sum(axis=0)) / np.maximum((span * rate).sum(axis=0), 1e-300)
+    last, _ = read_cycle(run, cycles_of(run))
+    assert last.kept is not None  # there is a cycle that was kept
     course = Course(
         progress,
         np.array(rate).T * unit,
@@ -146,8 +151,9 @@ def exposed_by_run(
         },
         np.divide(steep, worn[:, None], out=np.zeros_like(steep), where=worn[:, None] > 0.0),
         _moves(kept),
-        _notes(survey, run, progress, kept, float(np.median(noise))),
+        sampling=sampling(last.kept.samples, feet),
     )
+    course = replace(course, notes=_notes(survey, run, course, kept))
     if (
         put_in.addition > 0.0
     ):  # what is added keeps no pace with wear: the course stays on the run's own service
@@ -155,6 +161,23 @@ def exposed_by_run(
     elif put_in != PutIn(1.0):
         course = at_own_pace(course, np.array(pace).T)
     return replace(survey, course=course, exposure_known=True)
+
+
+def sampling(samples: Sequence[Sample], feet: Sequence[Foot]) -> Sampling:
+    """How well samples know their rates at points: the scatter of their blocks, and how long these remember one another.
+
+    The noise of a flow is taken to be that of all samples together, relative to the mean of each: one alone has a few dozen blocks, from
+    which no covariance of as many points can be told.
+    """
+    at = [np.stack([foot.values(sample.rate) for foot in feet], axis=1) for sample in samples]  # (b, l) each
+    mean = [one.mean(axis=0) for one in at]
+    off = [
+        np.divide(one - m, m, out=np.zeros_like(one), where=m > 0.0) for one, m in zip(at, mean, strict=True)
+    ]
+    squares = np.sum([one.T @ one for one in off], axis=0)
+    density = noise_density([lag_products(one) for one in off], squares, samples[0].block)
+    part = np.broadcast_to(np.eye(len(samples)), (len(feet), len(samples), len(samples)))
+    return Sampling(density, np.array([sample.window for sample in samples]), part)
 
 
 def put_on(
@@ -249,9 +272,9 @@ def _moves(kept: Sequence[tuple[Liner, CycleReport]]) -> bool:
 
 
 def _notes(
-    survey: Survey, run: Path, progress: np.ndarray, kept: Sequence[tuple[Liner, CycleReport]], noise: float
+    survey: Survey, run: Path, course: Course, kept: Sequence[tuple[Liner, CycleReport]]
 ) -> tuple[str, ...]:
-    unit = survey.progress_unit
+    unit, progress = survey.progress_unit, course.progress
     served = survey.progress - survey.life_start[survey.life]
     notes = [
         f"exposure and state from {run}: {len(kept)} samples up to {progress[-1]:.4g} {unit}; the coefficient is a factor on its wear"
@@ -260,10 +283,12 @@ def _notes(
         notes.append(
             f"readings go on to {served.max():.4g} {unit}; beyond {progress[-1]:.4g} {unit} the run's last rate is taken"
         )
-    if noise > 0.005:
+    every = np.full((len(course.rate), 1), served.max())
+    noise = np.sqrt(np.square(course.own_errors(0.0 * every, every)).sum(axis=2))
+    if noise.max(initial=0.0) > 0.002:
         notes.append(
-            f"the run's own wear at these points is known to {100 * noise:.2g} % (standard error of sampling); "
-            "no interval here holds that"
+            f"the run's own sampling: its wear at these points is known to {100 * np.median(noise):.2g} % (standard error, the worst "
+            f"point to {100 * noise.max():.2g} %); the intervals hold that"
         )
     if not _moves(kept):
         notes.append(

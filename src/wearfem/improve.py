@@ -23,6 +23,7 @@ from wearfem.survey.diagnose import Diagnosis, Effect, Score, diagnose, held_out
 from wearfem.survey.history import History, Model, depths
 from wearfem.survey.identify import COEFFICIENT_PRIOR, Fit, Readings, fit, readings
 from wearfem.survey.in_service import Service, in_service, service
+from wearfem.survey.nuisance import SAMPLING, disturbance
 from wearfem.survey.survey import Survey
 
 PART = 0.25  # of a standard deviation: a parameter that changes by less is the same
@@ -301,14 +302,23 @@ class _Loop:
 
 
 def coefficient_alone(data: Readings, before: Told | None) -> Told:
-    """The factor by plain least squares, as people refit a coefficient."""
+    """The factor by plain least squares, as people refit a coefficient.
+
+    Its standard deviation is that of the scatter and, as covariance C, what the run itself does not know: j'(s^2 + C)j / (j'j)^2, with j
+    the change of the wear with the logarithm of the factor. Two runs cannot agree better than they know themselves.
+    """
 
     def left(log: np.ndarray) -> np.ndarray:
         return data.worn - data.past.of_rows(depths(data.past, Model(float(np.exp(log[0])))))
 
     start = np.log(before.factor if before is not None else data.coefficient)
     found = least_squares(left, [start], diff_step=1e-4)
-    variance = 2.0 * found.cost / max(1, len(data.worn) - 1) / float(found.jac[:, 0] @ found.jac[:, 0])
+    slope = found.jac[:, 0]
+    depth = depths(data.past, Model(float(np.exp(found.x[0]))))
+    known = disturbance(data.survey, data.past, depth, data.reference, data.thickness_free)
+    own = slope @ known.column[:, known.group == SAMPLING]
+    scatter = 2.0 * found.cost / max(1, len(data.worn) - 1)
+    variance = (scatter + float(own @ own) / float(slope @ slope)) / float(slope @ slope)
     return Told(float(np.exp(found.x[0])), (), found.x, np.sqrt([variance]))
 
 

@@ -8,8 +8,6 @@ from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
 
-import numpy as np
-
 from wearfem.case import LifeCase
 from wearfem.cycle import CycleReport, State, cycle, first_state
 from wearfem.history import (
@@ -74,9 +72,7 @@ def line(report: CycleReport, case: LifeCase, elapsed: float, state: State, resu
     """
     jump, life = report.jump, report.life
     left = life.time - report.service_time
-    unsure = _over(report.error, report.rate)[life.facet] if report.kept else 0.0
-    noise = np.hypot(life.noise, max(left, 0.0) * unsure)
-    interval = abs(life.bias) + case.goal.deviations * noise
+    interval = report.end_error(case.goal.deviations)
     parts = [
         f"cycle {report.cycle:3d}",
         f"{words(report.service_time)} served",
@@ -96,10 +92,6 @@ def line(report: CycleReport, case: LifeCase, elapsed: float, state: State, resu
     if not state.ended and passed > 0.0 and not resumed:
         parts.append(f"about {clock(elapsed * max(left, 0.0) / passed)} to run")
     return ", ".join(parts)
-
-
-def _over(part: np.ndarray, whole: np.ndarray) -> np.ndarray:
-    return np.divide(part, whole, out=np.zeros_like(part), where=whole > 0.0)
 
 
 def words(seconds: float) -> str:

@@ -80,7 +80,8 @@ def coupled_plant(
     served
         Service time [s] at the last occasion.
     within
-        Ranges of x and y [m] of the places on a level face; without it, the middles of facets that wear well.
+        Ranges of x and y [m] of the places on a level face; without it, middles of facets, drawn in proportion to their wear: people
+        read where it wears.
     jumps
         At least, up to then.
     """
@@ -100,7 +101,7 @@ def coupled_plant(
     when[-1] = served
     at = CubicHermiteSpline(truth.service_time, truth.depth, truth.rate)(when) / mm  # (o, f)
     if within is None:
-        chosen = random.permutation(np.flatnonzero(at[-1] > 0.25 * at[-1].max()))[:points]
+        chosen = random.choice(len(middle), points, replace=False, p=at[-1] / at[-1].sum())
         place, clean = middle[chosen], at[:, chosen].T
     else:
         flat = np.stack([random.uniform(*axis, size=points) for axis in within], axis=1)

@@ -1,7 +1,8 @@
 """The loop closed on a coupled virtual plant: a hidden effect is named, put into the case, and the coupled run predicts unseen readings.
 
 The plants are coupled runs themselves (`tests/identification/coupled_plants.py`): a stream that strikes a plate at a slant and aims at its
-own scar, with something in them that the case does not have, another seed and shorter jumps. The loop is told readings and nothing else.
+own scar, or ore on a chute, with something in them that the case does not have, another seed and shorter jumps. The loop is told readings
+and nothing else. The chute takes hours (`cases/transfer_chute/hidden.py`); the claims are those of the plate.
 """
 
 import contextlib
@@ -11,30 +12,25 @@ import math
 import sys
 import tempfile
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from wearfem.case import LifeCase, load_any_case
 from wearfem.errors import UserError
 from wearfem.exposure import exposed_by_run
 from wearfem.improve import PART, Improvement, improve
 from wearfem.proof import Claim
-from wearfem.run import run_case
+from wearfem.run import live_to_the_end
 from wearfem.survey.diagnose import SHAPE, Diagnosis, diagnose
 from wearfem.survey.survey import Survey, read_survey
 from wearfem.units import day, kt, mm
-from wearfem.wear.effects import HardnessGradient, OreChange, SpeedExponent
+from wearfem.wear.effects import HardnessGradient, OreChange, Overlay, SpeedExponent
 
 HERE = Path(__file__).parents[3]
 PLANTS = HERE / "tests" / "identification" / "coupled_plants.py"
-SMALL = {"points": 24, "occasions": 6}
-HIDDEN = {
-    "hardness_gradient": (HardnessGradient(0.05 / mm, 0.4),),
-    "ore_change": (OreChange((80 * kt,), (1.5,)),),
-    "speed_exponent": (SpeedExponent(1.5, 5.0),),
-    "nothing": (),
-}
+SMALL: dict[str, Any] = {"points": 24, "occasions": 6}
 LOSS_PRIOR = 0.8  # of the logarithm of the loss, by unit of its coordinate
 FACTOR = 0.8  # [-] the plant's coefficient over the case's
 ISSUE = "what closing the loop must do, issue 5 of the project"
@@ -46,17 +42,39 @@ class Site:
 
     case: Path
     keywords: Mapping[str, Any]
+    hidden: Mapping[str, tuple[Any, ...]]  # by name, what a plant may have
     served: float  # [s]
     sigma: float  # [mm] of the gauge
     within: tuple[tuple[float, float], tuple[float, float]] | None = None  # [m] x and y of the places read
+    truth: Mapping[str, Any] = field(default_factory=dict)  # keywords of the plant that are not the case's
 
 
 PLATE = Site(
     HERE / "cases" / "stream_on_plate",
     {"noise": 0.05, "tolerance": 0.005},  # sampling errors below the gauge's
+    {
+        "hardness_gradient": (HardnessGradient(0.05 / mm, 0.4),),
+        "ore_change": (OreChange((80 * kt,), (1.5,)),),
+        "speed_exponent": (SpeedExponent(1.5, 5.0),),
+        "nothing": (),
+    },
     500 * day,
     0.1,
     ((60 * mm, 340 * mm), (20 * mm, 140 * mm)),
+)
+HIDDEN = PLATE.hidden
+CHUTE = Site(
+    HERE / "cases" / "transfer_chute",
+    {"tolerance": 0.02},
+    {
+        "hardness_gradient": (HardnessGradient(0.05 / mm, 0.4),),
+        "case_hardened": (Overlay(4 * mm, 1.6),),
+        "ore_change": (OreChange((72 * kt,), (1.4,)),),
+        "nothing": (),
+    },
+    60 * day,  # when 11 mm of 12 are gone
+    0.1,
+    truth={"tolerance": 0.01},  # sampled longer: a real plant averages over months
 )
 
 
@@ -84,22 +102,25 @@ def plants() -> ModuleType:
 def plant(
     folder: Path, hidden: str, seed: int, frozen: bool = False, site: Site = PLATE, **design: Any
 ) -> Plant:
-    """Make a plant, write its survey, and run the case as it is known."""
-    made = plants().coupled_plant(
-        site.case, site.keywords, seed, effects=HIDDEN[hidden], factor=FACTOR, served=site.served, sigma=site.sigma,
-        within=site.within, **design,
-    )  # fmt: skip
+    """Make a plant, write its survey, and run the case as it is known; what is in the folder is gone on with."""
+    if not (folder / "survey.csv").exists():
+        plants().coupled_plant(
+            site.case, {**site.keywords, **site.truth}, seed, effects=site.hidden[hidden], factor=FACTOR, served=site.served,
+            sigma=site.sigma, within=site.within, **design,
+        ).write(folder)  # fmt: skip
     keywords = {**site.keywords, "seed": seed, "frozen": frozen, "stop": site.served}
+    case = load_any_case(site.case, keywords)
+    assert isinstance(case, LifeCase)
     with contextlib.redirect_stdout(io.StringIO()):
-        run_case(site.case, keywords, folder / "run", quiet=True)
-    return Plant(read_survey(made.write(folder)), folder / "run", made.sigma)
+        live_to_the_end(case, folder / "run", quiet=True)
+    return Plant(read_survey(folder / "survey.csv"), folder / "run", site.sigma)
 
 
 def closed(
-    folder: Path, hidden: str, seed: int, again: bool = False, **design: Any
+    folder: Path, hidden: str, seed: int, again: bool = False, site: Site = PLATE, **design: Any
 ) -> tuple[Improvement, Plant]:
     """The loop on one plant."""
-    made = plant(folder, hidden, seed, **design)
+    made = plant(folder, hidden, seed, site=site, **design)
     found = diagnose(exposed_by_run(made.survey, made.run), name_without=False)
     with contextlib.redirect_stdout(io.StringIO()):
         done = improve(made.survey, made.run, folder / "out", found=found, diagnose_again=again, quiet=True)

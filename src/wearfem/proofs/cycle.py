@@ -1,6 +1,5 @@
 """The coupled cycle on a plate whose life is known: closed forms, the order in time, and a restart to the bit."""
 
-import sys
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -9,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from wearfem.case import LifeCase, load_any_case
+from wearfem.case import LifeCase, load_any_case, parts_of
 from wearfem.cycle import CycleReport, State, cycle, first_state
 from wearfem.history import History, history_of, read_cycle, write_cycle
 from wearfem.liner.recede import volume
@@ -120,7 +119,7 @@ def plate(**settings: Any) -> tuple[LifeCase, ModuleType]:
     """The case with its keywords, and its module with the closed forms."""
     case = load_any_case(CASE, settings)
     assert isinstance(case, LifeCase)
-    return case, sys.modules[case.measure.__module__]
+    return case, parts_of(CASE)
 
 
 def whole_life(case: LifeCase) -> tuple[State, tuple[CycleReport, ...]]:

@@ -12,6 +12,39 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 FAINT = 1e-9  # [-] of the largest rate: what does not wear needs no time to be told
+TOLD = 0.99  # [-] of the variance by sampling, summed over all plates and intervals, that its largest modes must hold
+
+
+@dataclass(frozen=True)
+class Sampling:
+    """What a run does not know of its own rates: each is the mean over a window of a flow that fluctuates.
+
+    The relative error of the rate of life i in sample c has a mean of 0 and
+
+        cov(e_ic, e_jd) = density_ij / window_c   where c = d, else 0,
+
+    so a run that is sampled n times as long has 1/n of the variance. Smoothing makes neighbours err alike.
+
+    Parameters
+    ----------
+    density
+        (l, l) [s] variance of the mean rates of lives, relative to them, times the window.
+    window
+        (c,) [s] of steady flow in each sample.
+    part
+        (l, k, c) of each sample in the rate at each `progress` of the course; they sum to 1.
+    """
+
+    density: np.ndarray
+    window: np.ndarray
+    part: np.ndarray
+
+    @property
+    def modes(self) -> np.ndarray:
+        """(l, p) whose sum of squares is the density"""
+        size, mode = np.linalg.eigh(self.density)
+        kept = size > 1e-12 * max(float(size[-1]), 1e-300)
+        return mode[:, kept] * np.sqrt(size[kept])
 
 
 @dataclass(frozen=True)
@@ -35,6 +68,8 @@ class Course:
         What a reader must know of it, in sentences.
     service
         (l, c) service of the run at `progress`, where something in the run changed its pace: see `at_own_pace`; None where both are one.
+    sampling
+        How well the run knows its own rates; None where they are taken to be exact.
     """
 
     progress: np.ndarray
@@ -44,6 +79,7 @@ class Course:
     follows_shape: bool
     notes: tuple[str, ...] = ()
     service: np.ndarray | None = None
+    sampling: Sampling | None = None
     depth: np.ndarray = field(init=False)  # (l, c) at the samples
 
     def __post_init__(self) -> None:
@@ -85,6 +121,37 @@ class Course:
             ]
         )
 
+    def grown(self, begin: np.ndarray, end: np.ndarray) -> np.ndarray:
+        """Depth (l, m) from one service to another (l, m)."""
+        return self.depth_at(end) - self.depth_at(begin)
+
+    def own_errors(self, begin: np.ndarray, end: np.ndarray) -> np.ndarray:
+        """(l, m, q) relative errors of the growth in intervals (l, m) by the run's own sampling, for q independent standard normals.
+
+        What a sample errs by acts on all growth that it stands for, and stays in every later depth. Of all combinations of samples and
+        places those are kept that hold `TOLD` of the variance of depth.
+        """
+        if self.sampling is None:
+            return np.zeros((*begin.shape, 0))
+        end = np.maximum(end, begin + 1e-6 * float(end.max()))  # of an empty interval, the rate there
+        growth = self.grown(begin, end)
+        of_sample = np.stack(
+            [replace(self, rate=self.rate * part).grown(begin, end) for part in np.moveaxis(self.sampling.part, -1, 0)], axis=-1
+        )  # fmt: skip
+        share = np.divide(
+            of_sample, growth[..., None], out=np.zeros_like(of_sample), where=growth[..., None] > 0.0
+        )
+        share = share / np.sqrt(self.sampling.window)
+        error = (share[:, :, :, None] * self.sampling.modes[:, None, None, :]).reshape(*growth.shape, -1)
+        depth = np.cumsum(growth[..., None] * error, axis=1).reshape(growth.size, -1)
+        size, mode = np.linalg.svd(depth, full_matrices=False)[1:]
+        held = np.cumsum(size**2)
+        return (
+            error @ mode[: int(np.searchsorted(held, TOLD * held[-1])) + 1].T
+            if held[-1] > 0.0
+            else error[..., :0]
+        )
+
     @property
     def _bend(self) -> np.ndarray:
         """(l, c) change of the rate by progress after each sample; none after the last, nor before the first"""
@@ -110,7 +177,11 @@ def at_own_pace(course: Course, pace: np.ndarray) -> Course:
     service = on_common(np.broadcast_to(course.progress, pace.shape))
     beyond = common > walked[:, -1:]
     service = np.where(beyond, course.progress[-1] + (common - walked[:, -1:]) / pace[:, -1:], service)
+    sampling = course.sampling
+    if sampling is not None:
+        parts = [on_common(part) for part in np.moveaxis(sampling.part, -1, 0)]
+        sampling = replace(sampling, part=np.stack(parts, axis=-1))
     return replace(
-        course, progress=common, rate=on_common(course.rate), service=service,
+        course, progress=common, rate=on_common(course.rate), service=service, sampling=sampling,
         state={name: on_common(value) for name, value in course.state.items()},
     )  # fmt: skip

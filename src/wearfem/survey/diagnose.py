@@ -8,7 +8,16 @@ from scipy.optimize import least_squares
 
 from wearfem.errors import UserError, in_words
 from wearfem.survey.candidates import Candidate, log_steps
-from wearfem.survey.choose import EVEN_BEND, EVEN_BOOK, EVEN_SCALE, EVEN_SCATTER, Choice, choose, uneven
+from wearfem.survey.choose import (
+    EVEN_BEND,
+    EVEN_BOOK,
+    EVEN_SCALE,
+    EVEN_SCATTER,
+    SUSPECTED,
+    Choice,
+    choose,
+    uneven,
+)
 from wearfem.survey.doubt import Doubt, doubted
 from wearfem.survey.history import depths
 from wearfem.survey.identify import COEFFICIENT_PRIOR, Fit, Readings, fit, model_at, readings
@@ -60,13 +69,19 @@ class Effect:
 
 @dataclass(frozen=True)
 class HeldOut:
-    """What the figures of `heldout_rmse` are taken over."""
+    """What the figures of `heldout_rmse` are taken over.
+
+    `undecided_points` are those, never fitted, of which the others do not tell whether the effect covers them (they lie at the border of
+    a patch), by more than the gauge's error; `decided_rmse` is the error of the improved model on the readings of all others.
+    """
 
     points: tuple[str, ...]
     occasions: tuple[str, ...]
     readings: int
     straight_line_readings: int
     named_without_them: tuple[str, ...] | None
+    undecided_points: tuple[str, ...]
+    decided_rmse: float | None
 
 
 @dataclass(frozen=True)
@@ -119,7 +134,7 @@ def diagnose(survey: Survey, *, name_without: bool = True) -> Diagnosis:
     plain = improved = fit(data.only(~held))
     if choice.best.suspects:
         improved = fit(data.only(~held), choice.best.suspects)
-        if held.any() and predicted_better(choice, plain, improved) < 0.0:
+        if held.any() and predicted_better(choice, plain, improved) < -SUSPECTED:
             choice = Choice(choice.plain, choice.plain, choice.tried, choice.odds, ())  # it does not predict
             improved = plain
     named = None
@@ -133,7 +148,7 @@ def diagnose(survey: Survey, *, name_without: bool = True) -> Diagnosis:
         survey, doubts, choice, noise_tests(choice.plain), after,
         _baseline(data, held, factor), _straight_line(data, held, factor), _score(improved, data, held, factor),
         choice.best.spread.gauge / factor, _verdict(choice, effects, after), effects,
-        _nuisance(choice.best, factor), _held_out_names(data, held, named), notes,
+        _nuisance(choice.best, factor), _held_out_names(data, held, named, improved), notes,
     )  # fmt: skip
 
 
@@ -141,7 +156,9 @@ def predicted_better(choice: Choice, plain: Fit, improved: Fit) -> float:
     """[nats] by which the readings held out are more probable with the effect than without, given the others.
 
     The density of what is held out, given the rest, is that of all readings over that of the rest; so whatever is uncertain in either
-    model (which points a patch covers) is paid for, and a prediction that claims no more than it knows is not punished.
+    model (which points a patch covers) is paid for, and a prediction that claims no more than it knows is not punished. The readings
+    held out have had their say in the evidence of all, and nuisances fitted to fewer readings make this difference uncertain by about one
+    nat: an effect is taken back where they speak against it by as much as makes one suspected, not where they are silent.
     """
     return (choice.best.log_evidence - improved.log_evidence) - (
         choice.plain.log_evidence - plain.log_evidence
@@ -331,7 +348,7 @@ def _nuisance(best: Fit, factor: float) -> dict[str, object]:
     """Zero errors by occasion [measured unit], the tonnage book by interval [-], scatter of places [-], with 90 % intervals"""
     r = best.readings
     found = best.disturbance
-    value, deviation = nuisances(found, best.spread, r.worn - r.past.of_rows(best.depth))
+    value, deviation = nuisances(found, best.spread, r.left(best.depth))
     names = r.survey.occasion_names
     told: dict[str, object] = {}
     kinds = ((0, "zero_error", r.survey.sign * factor), (3, "tonnage_book", 1.0), (5, "scale_error", 1.0))
@@ -356,20 +373,40 @@ def _nuisance(best: Fit, factor: float) -> dict[str, object]:
     told["place_to_place_scatter"] = best.spread.scatter
     told["smooth_error_of_the_rate"] = best.spread.smooth
     told["smooth_error_of_a_campaign"] = best.spread.warp / factor if r.past.warped.shape[1] else 0.0
+    told["run_own_sampling"] = run_own_sampling(best)
     told["bend_deviation"] = best.spread.bend if r.past.bent else 0.0
     told["initial_reading_deviation"] = best.spread.initial / factor
     return told
 
 
-def _held_out_names(data: Readings, held: np.ndarray, named: tuple[str, ...] | None) -> HeldOut:
-    survey = data.survey
+def run_own_sampling(fitted: Fit) -> float:
+    """[-] what the run that gives the exposure does not know of the depth at the last readings: the median of its standard errors"""
+    past = fitted.readings.past
+    if not past.sampled.shape[2]:
+        return 0.0
+    growth = np.diff(fitted.depth, axis=1, prepend=0.0)
+    error = np.sqrt(np.square((growth[:, :, None] * past.sampled).sum(axis=1)).sum(axis=1))
+    return float(np.median(error / np.maximum(fitted.depth[:, -1], 1e-300)))
+
+
+def _held_out_names(
+    data: Readings, held: np.ndarray, named: tuple[str, ...] | None, improved: Fit
+) -> HeldOut:
+    survey, asked = data.survey, data.only(held)
     seen_points = set(survey.point[~held & ~survey.is_new].tolist())
     seen_occasions = set(survey.occasion[~held].tolist())
     points = [survey.point_names[p] for p in np.unique(survey.point) if p not in seen_points]
     occasions = [survey.occasion_names[o] for o in np.unique(survey.occasion) if o not in seen_occasions]
+    open_points = np.unique(
+        asked.survey.point[asked.past.of_rows(improved.undecided) > improved.spread.gauge]
+    )
+    decided = asked.only(~np.isin(asked.survey.point, open_points))
+    left = decided.worn - improved.predict(decided)
     return HeldOut(
         tuple(points), tuple(occasions), int(held.sum()),
         int((held & np.isin(survey.life, np.unique(survey.life[~held & ~survey.is_new]))).sum()), named,
+        tuple(survey.point_names[p] for p in open_points),
+        float(np.sqrt(np.mean(left**2))) / survey.measured_factor if len(left) else None,
     )  # fmt: skip
 
 

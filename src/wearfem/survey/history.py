@@ -16,7 +16,7 @@ import numpy as np
 from wearfem.survey.course import Course
 from wearfem.survey.survey import Survey
 from wearfem.wear.effect import FactorEffect, all_factors
-from wearfem.wear.effects import Corrosion, OreChange, OreChangeByTime, Overlay
+from wearfem.wear.effects import BuildUp, Corrosion, OreChange, OreChangeByTime, Overlay
 
 CELLS = 240  # of the table over depth: error of the depth below 1e-4 for factors that change twofold over it
 GAUSS_AT = 0.5 + 0.5 * np.array([-np.sqrt(0.6), 0.0, np.sqrt(0.6)])
@@ -57,6 +57,9 @@ class History:
         (l, k) those by which the readings of a campaign may err together; none where they are taken to err each by itself.
     steepness
         (l, 3) [1/m] gradient of the logarithm of the wear along the face.
+    sampled
+        (l, m, q) relative errors of the growth in each interval by the run's own sampling, for q independent standard normals; none for a
+        table of exposures. They are those at the run's own pace.
     bent
         Depth at which the rates of places are compared that change with depth, each by its own shape; 0 where they are taken not to.
     """
@@ -75,6 +78,7 @@ class History:
     smooth: np.ndarray = field(default_factory=lambda: np.zeros((1, 0)))
     warped: np.ndarray = field(default_factory=lambda: np.zeros((1, 0)))
     steepness: np.ndarray = field(default_factory=lambda: np.zeros((1, 3)))
+    sampled: np.ndarray = field(default_factory=lambda: np.zeros((1, 1, 0)))
     bent: float = 0.0
 
     def of_rows(self, at_end: np.ndarray) -> np.ndarray:
@@ -128,14 +132,16 @@ def history(survey: Survey) -> History:
     }
     exposure, *others = np.moveaxis(fill(survey.exposure, occasion), -1, 0)
     course = survey.course
+    sampled = np.zeros((1, 1, 0))
     if course is not None:
-        exposure = _exposure_of(course, begin - survey.life_start[:, None], end - survey.life_start[:, None])
+        served = begin - survey.life_start[:, None], end - survey.life_start[:, None]
+        exposure, sampled = _exposure_of(course, *served), course.own_errors(*served)
         middle = 0.5 * (begin + end) - survey.life_start[:, None]
         feature = {name: course.state_at(name, middle) for name in course.state} | feature
     return History(
         begin, end, survey.life_start, exposure, feature, _calendar(survey, begin, end), occasion,
         survey.life, interval, course if course is not None and course.follows_shape else None,
-        np.array(others).reshape(len(others), *begin.shape), **_over_place(feature.get("position"), exposure, course),
+        np.array(others).reshape(len(others), *begin.shape), sampled=sampled, **_over_place(feature.get("position"), exposure, course),
     )  # fmt: skip
 
 
@@ -180,7 +186,7 @@ def _exposure_of(course: Course, begin: np.ndarray, end: np.ndarray) -> np.ndarr
     """(l, m) mean rate of a course in each interval; of an empty one, the rate there"""
     short = 1e-6 * float(end.max())
     end = np.maximum(end, begin + short)
-    return (course.depth_at(end) - course.depth_at(begin)) / (end - begin)
+    return course.grown(begin, end) / (end - begin)
 
 
 @dataclass(frozen=True)
@@ -262,6 +268,7 @@ def breaks(effects: Sequence[FactorEffect]) -> list[float]:
     """Progress at which a factor jumps"""
     changes = [e.throughput for e in effects if isinstance(e, OreChange)]
     changes += [e.service_time for e in effects if isinstance(e, OreChangeByTime)]
+    changes += [(e.since,) for e in effects if isinstance(e, BuildUp)]
     return sorted(at for change in changes for at in change)
 
 

@@ -4,13 +4,14 @@ A reading is what the model says plus what a campaign reads too high (by the sam
 sound, or another place along a belt), what the plate measured other than told, the plate's own scatter of the rate, the tonnage book's
 error in each interval, what neighbours have in common (the model's rate is off by a smooth function of place, all points lie beside
 where they are told to be, a campaign's readings are off by a smooth function of place), the change of each place's rate with depth by
-its own shape, and the gauge's error:
+its own shape, what a run has not seen of its own flow, and the gauge's error:
 
     y = d + z[occasion] + s[occasion] d + h[life] + u[life] d + f(place) d + (shift . grad ln d) d + g[life] d^2 + w[occasion](place)
-      + sum over intervals of b[interval] (growth of d in it) + e.
+      + sum over intervals of (b[interval] + r[life, interval]) (growth of d in it) + e.
 
 All are normal with standard deviations that the data tell (by marginal likelihood), under exponential priors that pull those to zero that
-are not needed. They are integrated out, not fitted: points read many times count as one where the scatter between points is what matters.
+are not needed; but the covariance of r, what the run itself does not know, the run tells (`course.Sampling`), and no reading changes it.
+They are integrated out, not fitted: points read many times count as one where the scatter between points is what matters.
 
 **Source** linear mixed models, Laird and Ware, Biometrics 38 (1982) 963-974; matrix identity of Woodbury.
 """
@@ -36,6 +37,8 @@ OFFSET_PRIOR = 1.0  # [gauge errors] and of zero errors and new thicknesses
 GAUGE_PRIOR = 0.15  # [-] standard deviation of the logarithm of the gauge error about what was given
 GUESS_PRIOR = 0.7  # the same about a guess
 FREE = 1e3  # [gauge errors] standard deviation of a new thickness that only readings tell
+SAMPLING = 10  # group of the run's own sampling
+KNOWN = 1.0  # [-] standard deviation of what has its size in its columns
 LEAST_SHARE = 1e-3  # of a prior's mean: what counts as zero
 
 
@@ -79,7 +82,8 @@ class Disturbance:
 
     `weight` (n,) is the variance of a reading over gauge squared; `group` (q,) is 0 zero error, 1 new thickness, 2 scatter, 3 book, 4
     free new thickness (of a life, or common to all, with the number of lives for a label), 5 a campaign's error in proportion, 6 smooth
-    error of the rate, 7 of a campaign, 8 shift, 9 bend; `label` (q,) the occasion, life, interval, function or axis.
+    error of the rate, 7 of a campaign, 8 shift, 9 bend, 10 the run's own sampling; `label` (q,) the occasion, life, interval, function,
+    axis or mode.
     """
 
     column: np.ndarray
@@ -90,7 +94,7 @@ class Disturbance:
     def deviation(self, spread: Spread) -> np.ndarray:
         """(q,) standard deviation of each nuisance."""
         each = [spread.zero, spread.initial, spread.scatter, spread.book, FREE * spread.gauge, spread.scale]
-        each += [spread.smooth, spread.warp, spread.shift, spread.bend]
+        each += [spread.smooth, spread.warp, spread.shift, spread.bend, KNOWN]
         return np.array(each)[self.group]
 
 
@@ -141,7 +145,11 @@ def disturbance(
             add(by_life * (at**2 / past.bent)[:, None], 9)
         if past.steepness.any():
             add(past.steepness[survey.life] * at[:, None], 8)
-    add(by_life, 4 if thickness_free else 1)
+    if past.sampled.shape[2]:  # an interval to come errs as the last
+        error = past.sampled[:, np.minimum(np.arange(growth.shape[1]), past.sampled.shape[1] - 1)]
+        by_end = np.cumsum(growth[:, :, None] * error, axis=1)
+        add(np.where(past.row_interval[:, None] < 0, 0.0, by_end[past.row_life, past.row_interval]), SAMPLING)
+    add(by_life, 1)
     if thickness_free:
         add(np.ones((rows, 1)), 4)
         labels[-1] = np.array([lives])  # common to all plates, and of none
@@ -265,6 +273,7 @@ def fit_spread(
 
     first = np.log(np.maximum(np.array(list(_values(start).values())) / unit, 1.01 * LEAST_SHARE))
     limits = [(first[0] - 4.0, first[0] + 4.0)] + [(floor, np.log(100.0))] * 9
+    limits[2] = (floor, np.log(1e5))  # plates of another kind
     best = minimize(
         negative, first, jac=True, method="L-BFGS-B", bounds=limits, options={"maxiter": 25, "ftol": 1e-7}
     )

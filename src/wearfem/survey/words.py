@@ -62,6 +62,8 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
         rows.append(("", f"cannot be told from: {others}"))
     if found.effects:
         rows.append(("added", _error(found.improved, unit)))
+        if found.heldout.undecided_points:
+            rows.append(("", _undecided(found)))
         rows.append(("what is left", _noise(found.tests_after, False)))
         without = found.heldout.named_without_them
         if without is not None and set(without) != {effect.name for effect in found.effects}:
@@ -105,6 +107,17 @@ def _error(score: Score, unit: str) -> str:
             f"error {score.train_rmse:.3g} {unit} on the readings it was fitted to; too few to hold any out"
         )
     return f"error on readings never fitted {score.heldout_rmse:.3g} {unit}"
+
+
+def _undecided(found: Diagnosis) -> str:
+    """Points whose readings, kept back, no other reading foretells"""
+    points, rest = found.heldout.undecided_points, found.heldout.decided_rmse
+    words = f"whether it covers {in_words(points)} is told by no other point, so the error there is that of a guess"
+    return (
+        words
+        if rest is None
+        else f"{words}; on all other readings never fitted {rest:.3g} {found.survey.measured_unit}"
+    )
 
 
 def _line(found: Diagnosis, unit: str) -> str:

@@ -107,6 +107,33 @@ def corrected_depth(samples: Sequence[Sample]) -> np.ndarray:
     return depth[-1] + (samples[-1].service_time - time[-1]) * samples[-1].mean
 
 
+@dataclass(frozen=True)
+class Measured:
+    """A mean and its standard error, both in one unit."""
+
+    value: float
+    error: float = 0.0
+
+    def over(self, other: "Measured") -> "Measured":
+        """The quotient of two that do not depend on one another."""
+        quotient = self.value / other.value
+        return Measured(
+            quotient, abs(quotient) * float(np.hypot(self.error / self.value, other.error / other.value))
+        )
+
+
+def mean_of(block_value: np.ndarray) -> Measured:
+    """The mean of consecutive blocks (b,), with its standard error."""
+    return Measured(float(block_value.mean()), float(standard_error(block_value[:, None])[0]))
+
+
+def ratio(top: np.ndarray, bottom: np.ndarray) -> Measured:
+    """Sum of `top` (b,) over sum of `bottom` (b,) for consecutive blocks; its standard error to first order."""
+    value = float(top.sum() / bottom.sum())
+    residual = (top - value * bottom) / bottom.mean()
+    return Measured(value, float(standard_error(residual[:, None])[0]))
+
+
 def standard_error(block_rate: np.ndarray) -> np.ndarray:
     """Standard error of the mean of blocks that may remember one another.
 

@@ -1,0 +1,99 @@
+"""The loop closed on the chute: plants with something in them that the case does not have, found from their surveys and put into the case.
+
+    python cases/transfer_chute/hidden.py [--only hardness_gradient-1 ...] [--out DIR]
+
+Each plant is a run of its own, with another coefficient, another seed, and samples long enough that its readings carry next to no
+sampling noise; it is read at 40 places on 8 occasions with a gauge of 0.1 mm, until 11 of 12 mm are gone. Then the case as it is known
+is run and diagnosed, and what is found is put in, run and fitted again, as `wearfem improve` does. A plant takes some half an hour of
+one core; what is there is gone on with. Results are kept in `hidden.json`; `--table` prints them and runs nothing.
+"""
+
+import argparse
+import json
+from pathlib import Path
+from typing import Any
+
+from wearfem.improve import Improvement
+from wearfem.proofs.closed_loop import CHUTE, closed
+from wearfem.survey.diagnose import parameters_of
+from wearfem.survey.words import parameter_in_words
+
+FOLDER = Path(__file__).parent
+RESULTS = FOLDER / "hidden.json"
+PLANTS = (("hardness_gradient", 1), ("case_hardened", 2), ("ore_change", 3), ("nothing", 4))
+
+
+def row(done: Improvement, hidden: str, seed: int) -> dict[str, Any]:
+    """What came out, errors in mm on readings never fitted"""
+    found = done.diagnosis
+    fitted = done.last.put_in.fitted
+    at, told = 1, []
+    for i, suspect in enumerate(fitted.suspects if fitted else ()):
+        parameters = parameters_of(fitted, i, at)
+        at += len(suspect.free)
+        told.append(
+            f"{suspect.name}: "
+            + ", ".join(parameter_in_words(n, p, found.survey) for n, p in parameters.items() if p.interval)
+        )
+    return {
+        "hidden": hidden,
+        "seed": seed,
+        "verdict": found.verdict,
+        "named": [effect.name for effect in found.effects],
+        "cannot be told from": sorted({other for effect in found.effects for other in effect.indistinguishable_from}),
+        "run's own sampling [%]": 100.0 * float(found.nuisance["run_own_sampling"]),  # type: ignore[arg-type]
+        "straight line": found.straight_line.heldout_rmse,
+        "as given": done.as_given.heldout_rmse,
+        "coefficient alone": done.coefficient_alone.heldout_rmse,
+        "not repeated": found.improved.heldout_rmse,
+        "in the loop": done.improved.heldout_rmse,
+        "readings": int(done.held.sum()),
+        "factor": done.last.put_in.factor,
+        "found": told,
+        "agreed": done.agreed,
+        "last change": done.last.change,
+        "runs": 1 + len(done.coefficient_rounds) + (len(done.rounds) if done.rounds is not done.coefficient_rounds else 0),
+        "left": done.again and done.again.verdict,
+    }  # fmt: skip
+
+
+def table(rows: list[dict[str, Any]]) -> str:
+    """Markdown"""
+    lines = [
+        "| hidden | seed | verdict | straight line | coefficient alone | diagnosed, not repeated | in the loop | found | runs |",
+        "|---|---|---|---|---|---|---|---|---|",
+    ]
+    for one in rows:
+        errors = " | ".join(
+            f"{one[name]:.3f}"
+            for name in ("straight line", "coefficient alone", "not repeated", "in the loop")
+        )
+        found = "; ".join([f"factor {one['factor']:.3f}", *one["found"]])
+        name, verdict = one["hidden"].replace("_", " "), one["verdict"].replace("_", " ")
+        lines.append(f"| {name} | {one['seed']} | {verdict} | {errors} | {found} | {one['runs']} |")
+    return "\n".join(lines)
+
+
+def main() -> None:
+    """Run what is missing, print what there is."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument(
+        "--only", nargs="*", metavar="NAME-SEED", help="plants, of those above or with other seeds"
+    )
+    parser.add_argument("--out", type=Path, default=Path("runs/hidden"), help="where the runs lie")
+    parser.add_argument("--table", action="store_true", help="run nothing")
+    given = parser.parse_args()
+    rows = json.loads(RESULTS.read_text()) if RESULTS.exists() else []
+    asked = [one.rsplit("-", 1) for one in given.only] if given.only else PLANTS
+    for hidden, seed in () if given.table else asked:
+        done, _ = closed(given.out / f"{hidden}-{seed}", hidden, int(seed), again=True, site=CHUTE)
+        rows = [one for one in rows if (one["hidden"], one["seed"]) != (hidden, int(seed))]
+        rows = sorted([*rows, row(done, hidden, int(seed))], key=lambda one: one["seed"])
+        RESULTS.write_text(json.dumps(rows, indent=1) + "\n")
+    print(table(rows))
+
+
+if __name__ == "__main__":
+    main()
