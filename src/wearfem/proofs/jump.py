@@ -76,12 +76,13 @@ def order(plants: Sequence[Plant], counts: Sequence[int]) -> Iterator[Claim]:
         coarse, fine = (equal_jumps(plant, count) for count in counts)
         yield Claim(
             f"order in time, trapezoid rule, {plant.name}, {coarse.cycles} and {fine.cycles} samples", "second order", 2.0,
-            observed_order(plant, coarse, fine, with_bias=True), "-", 0.25, False, "equal jumps; the number of samples is off by one or two",
+            observed_order(plant, coarse, fine, with_bias=True), "-", 0.25, False,
+            "equal jumps; the number of samples is off by one or two",
         )  # fmt: skip
         one = plant.facets == 1
         yield Claim(
-            f"the same less its bias, {plant.name}", "third order", 3.0, observed_order(plant, coarse, fine), "-", 0.25 if one else np.inf, False,
-            "as above" if one else "shown: the error is near that of the reference",
+            f"the same less its bias, {plant.name}", "third order", 3.0, observed_order(plant, coarse, fine), "-",
+            0.25 if one else np.inf, False, "as above" if one else "shown: the error is near that of the reference",
         )  # fmt: skip
 
 
