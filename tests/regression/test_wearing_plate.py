@@ -37,7 +37,9 @@ def test_a_life_that_was_stopped_is_not_judged(tmp_path):
     told = json.loads((tmp_path / "run" / "figures.json").read_text())[0]
     assert told["name"] == "end of life, at the last rate"
     assert told["verdict"] == "reported"
-    assert told["value"] > 90.0  # the rate of 20 days kept: the closed form has 86.8 d, the first rate 115.7 d
+    assert (
+        told["value"] > 90.0
+    )  # the rate of 20 days kept: the closed form has 86.8 d, the first rate 115.7 d
 
 
 def test_a_life_is_no_case_in_stages():
