@@ -50,12 +50,8 @@ SPECIFIC_WEAR_RATE = 3.0e-13  # [m2/N]
 ONSET = 28.36 * degree  # where the ore first meets the chute
 INLET_LENGTH = 0.1  # [m] along x
 ZONE_2 = (35.34 * degree, 64.15 * degree)
-ARC_DROP = 1.8  # [m] h3: a drop of 2 m x sin(64.16 degrees), so the arc ends where zone 2 does
-PUBLISHED = (
-    0.97e-10,
-    1.72e-10,
-    0.48e-10,
-)  # [m3/s] worn off zones 1, 2, 3; powers of ten of 1 and 3 lost in print
+ARC_END = asin(0.9)  # 64.16 degrees, where zone 2 ends: h3 is a drop of 1.8 m of 2 m
+PUBLISHED = (0.97e-10, 1.72e-10, 0.48e-10)  # [m3/s] worn off zones 1, 2, 3; powers of ten partly lost
 
 # Chosen.
 ARC_BEGIN = 20 * degree  # above it nothing touches the chute
@@ -66,7 +62,7 @@ DRAWN = 5.0  # [-] how much thicker the chute is drawn than it is
 WARM_UP = 0.5  # [s] from the first particle to a steady stream
 BLOCK = 0.05  # [s] over which loads are summed for their standard error
 
-CHUTE = CurvedChute(RADIUS, ARC_BEGIN, asin(ARC_DROP / RADIUS), STRAIGHT, THICKNESS, WIDTH, SIDE, SLOPE)
+CHUTE = CurvedChute(RADIUS, ARC_BEGIN, ARC_END, STRAIGHT, THICKNESS, WIDTH, SIDE, SLOPE)
 STEEL = Material("steel", 7932.0, 78 * GPa, 0.3)
 
 
@@ -87,6 +83,7 @@ class Stream:
     time_step: float  # [s]
     seed: int
     rolling_friction: float = 0.3  # [-] of the ore on the chute
+    feed_rate: float = FEED_RATE  # [kg/s] on the whole width
 
     @property
     def radii(self) -> tuple[float, float]:
@@ -121,7 +118,7 @@ class Stream:
         return Inlet(
             (x, low - beyond, z),
             (x + INLET_LENGTH, high + beyond, z + 4.0 * largest),
-            self.share * FEED_RATE,
+            self.share * self.feed_rate,
             uniform_sizes(smallest, largest),
             velocity=VELOCITY,
             seed=self.seed,
@@ -159,6 +156,10 @@ def rayleigh_time(coarsening: float, shear_modulus: float) -> float:
 
 def case(
     *,
+    throughput: float = FEED_RATE,
+    specific_wear_rate: float = SPECIFIC_WEAR_RATE,
+    limit_thickness: float = 8 * mm,
+    stop: float = 1e12,
     slice_width: float = 85 * mm,
     shear_modulus: float = 65 * MPa,
     coarsening: float = 2.5,
@@ -166,12 +167,10 @@ def case(
     time_step_share: float = 0.25,
     mesh_size: float = 10 * mm,
     smoothing_length: float = 30 * mm,
-    limit_thickness: float = 8 * mm,
     tolerance: float = 0.05,
     window: float = 0.4 * second,
     longest_jump: float = 1e12,
     frozen: bool = False,
-    stop: float = 1e12,
     seed: int = 1,
 ) -> LifeCase:
     """The life of the chute under 100 tonnes of ore an hour.
@@ -181,6 +180,14 @@ def case(
 
     Parameters
     ----------
+    throughput
+        Of ore on the whole width of 0.2 m [kg/s].
+    specific_wear_rate
+        Volume worn off by force and sliding distance [m2/N]; printed: 3.0e-13. `calibrate` tells it from readings.
+    limit_thickness
+        At which the chute, 20 mm thick when new, is worn out [m].
+    stop
+        Service time [s] at which to stop, where it comes before the end of life.
     slice_width
         Of the slice that is simulated [m], periodic across: the bottom without its sides. 0: the whole chute, 0.2 m wide, with its sides.
     shear_modulus
@@ -195,8 +202,6 @@ def case(
         Length of the facets along the chute [m]; printed: 6 mm. A slice has one facet across.
     smoothing_length
         Over which the rate of wear is evened out [m].
-    limit_thickness
-        At which the chute, 20 mm thick when new, is worn out [m].
     tolerance
         Within which its life is to be known [-], 90 times out of 100.
     window
@@ -205,24 +210,22 @@ def case(
         In service time [s], whatever else would allow.
     frozen
         Leave the shape as it is new: what the change of shape does to the life shows by comparison.
-    stop
-        Service time [s] at which to stop, where it comes before the end of life.
     seed
         Of the feed.
     """
     step = time_step_share * rayleigh_time(coarsening, shear_modulus)
-    stream = Stream(shear_modulus, coarsening, slice_width, step, seed, rolling_friction)
+    stream = Stream(shear_modulus, coarsening, slice_width, step, seed, rolling_friction, throughput)
     liner = Liner(CHUTE.slice(slice_width, mesh_size) if slice_width else CHUTE.trough(mesh_size), STEEL)
     return LifeCase(
-        name="transfer_chute",
+        name=Path(__file__).parent.name,
         flow=stream.nothing,
         sampler=Particles(stream.model),
         liner=liner,
-        wear_law=Archard(SPECIFIC_WEAR_RATE),
+        wear_law=Archard(specific_wear_rate),
         goal=worn_to(liner, limit_thickness, tolerance=tolerance),
         window=Window(window, max(10, round(window / BLOCK))),
         warm_up=WARM_UP,
-        throughput_rate=FEED_RATE,
+        throughput_rate=throughput,
         smoothing_length=smoothing_length,
         particle_radius=stream.radii[0],
         longest_jump=longest_jump,
@@ -283,7 +286,7 @@ class Measure:
             Figure(
                 "end of life, half of its 90 % interval", history.reports[-1].end_error(NINETY) / day, "d"
             ),
-            Figure("ore until then", told.time * FEED_RATE / kilotonne, "kt"),
+            Figure("ore until then", told.time * self.stream.feed_rate / kilotonne, "kt"),
             Figure("end of life, had the new chute's rate stayed", straight / day, "d"),
             Figure(
                 "place that is worn out first", float(np.degrees(facet_angle(worn)[told.facet])), "degree"

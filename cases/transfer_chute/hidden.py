@@ -20,6 +20,13 @@ from wearfem.survey.words import parameter_in_words
 
 FOLDER = Path(__file__).parent
 RESULTS = FOLDER / "hidden.json"
+ERRORS = (
+    "straight line",
+    "coefficient alone",
+    "diagnosed, not repeated",
+    "in the loop",
+    "run's own sampling",
+)  # [mm]
 PLANTS = (("hardness_gradient", 1), ("case_hardened", 2), ("ore_change", 3), ("nothing", 4))
 
 
@@ -41,11 +48,11 @@ def row(done: Improvement, hidden: str, seed: int) -> dict[str, Any]:
         "verdict": found.verdict,
         "named": [effect.name for effect in found.effects],
         "cannot be told from": sorted({other for effect in found.effects for other in effect.indistinguishable_from}),
-        "run's own sampling [%]": 100.0 * float(found.nuisance["run_own_sampling"]),  # type: ignore[arg-type]
+        "run's own sampling": done.own_sampling,
         "straight line": found.straight_line.heldout_rmse,
         "as given": done.as_given.heldout_rmse,
         "coefficient alone": done.coefficient_alone.heldout_rmse,
-        "not repeated": found.improved.heldout_rmse,
+        "diagnosed, not repeated": found.improved.heldout_rmse,
         "in the loop": done.improved.heldout_rmse,
         "readings": int(done.held.sum()),
         "factor": done.last.put_in.factor,
@@ -59,15 +66,10 @@ def row(done: Improvement, hidden: str, seed: int) -> dict[str, Any]:
 
 def table(rows: list[dict[str, Any]]) -> str:
     """Markdown"""
-    lines = [
-        "| hidden | seed | verdict | straight line | coefficient alone | diagnosed, not repeated | in the loop | found | runs |",
-        "|---|---|---|---|---|---|---|---|---|",
-    ]
+    names = "hidden", "seed", "verdict", *ERRORS, "found", "runs"
+    lines = [f"| {' | '.join(names)} |", "|" + "---|" * len(names)]
     for one in rows:
-        errors = " | ".join(
-            f"{one[name]:.3f}"
-            for name in ("straight line", "coefficient alone", "not repeated", "in the loop")
-        )
+        errors = " | ".join(f"{one[name]:.3f}" for name in ERRORS)
         found = "; ".join([f"factor {one['factor']:.3f}", *one["found"]])
         name, verdict = one["hidden"].replace("_", " "), one["verdict"].replace("_", " ")
         lines.append(f"| {name} | {one['seed']} | {verdict} | {errors} | {found} | {one['runs']} |")

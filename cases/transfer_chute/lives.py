@@ -7,13 +7,17 @@ the pages say of them is kept in `lives.json` with the version that measured it;
 import argparse
 import json
 from collections.abc import Mapping
+from contextlib import redirect_stdout
 from dataclasses import asdict, dataclass, replace
+from io import StringIO
+from math import nan
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from wearfem.case import load_any_case, parts_of
+from wearfem.foretell import Asked, forecast_run
 from wearfem.history import read_history
 from wearfem.life import line
 from wearfem.liner.chute import facet_angle
@@ -35,6 +39,7 @@ LIVES: dict[str, Mapping[str, Any]] = {
     "ore of 16 mm, frozen": ORE_16 | FROZEN,
     "10 mm of smoothing": SHARP,
     "10 mm of smoothing, frozen": SHARP | FROZEN | {"tolerance": 0.04},
+    "until 45 d": {"stop": 45 * day},
 }
 
 
@@ -45,15 +50,17 @@ class Told:
     settings: dict[str, Any]
     life: float  # [d]
     half: float  # [d] of its 90 % interval
-    straight: float  # [d] had the new chute's rate stayed
-    ore: float  # [kt]
-    angle: float  # [degree] that is worn out first
-    arc_deepest: float  # [mm] lost by zone 2 at the end of life
-    cycles: int
-    flow: float  # [s] sampled
-    lines: list[str]  # as printed: first cycle, last two, and how it ended
-    version: str
-    commit: str
+    commit: str  # of wearfem
+    straight: float = nan  # [d] had the new chute's rate stayed
+    ore: float = nan  # [kt]
+    angle: float = nan  # [degree] that is worn out first
+    arc_deepest: float = nan  # [mm] lost by zone 2 at the end of life
+    cycles: int = 0
+    flow: float = nan  # [s] sampled
+    lines: tuple[str, ...] = ()  # as printed: first cycle, last two, and how it ended
+    foretold: tuple[
+        str, ...
+    ] = ()  # by `wearfem forecast RUN --next-stop "60*day"`, until the depth that the case allows
 
 
 def told(run: Path, settings: Mapping[str, Any]) -> Told:
@@ -78,10 +85,19 @@ def told(run: Path, settings: Mapping[str, Any]) -> Told:
         arc_deepest=1e3 * float(history.depth[-1][zone_2].max()),
         cycles=int(figures["cycles"]),
         flow=figures["flow sampled"],
-        lines=[first, before, last, f"ended: {history.ended}"],
-        version=manifest["versions"]["wearfem"],
+        lines=(first, before, last, f"ended: {history.ended}"),
         commit=manifest["git_commit"],
+        foretold=foretold(run) if history.ended == "service time" else (),
     )
+
+
+def foretold(run: Path) -> tuple[str, ...]:
+    """The first part of what a forecast prints."""
+    with redirect_stdout(StringIO()) as screen:
+        forecast_run(run, Asked(next_stop="60*day"))
+    lines = screen.getvalue().splitlines()
+    begin = next(number for number, text in enumerate(lines) if text.startswith("until "))
+    return tuple(lines[begin : lines.index("", begin)])
 
 
 def read() -> dict[str, Told]:
@@ -116,6 +132,11 @@ def ends() -> str:
     """How the default's life ends; words."""
     one = read()["default"]
     return f"**{_days(one)}** (90 %), {one.ore:.0f} kt, at {one.angle:.0f} degrees; {one.cycles} cycles, {one.flow:.1f} s of flow"
+
+
+def ahead() -> str:
+    """What a forecast at 45 d says; as on the screen."""
+    return "\n".join(["```", *read()["until 45 d"].foretold, "```"])
 
 
 def screen() -> str:

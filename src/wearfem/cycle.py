@@ -334,10 +334,11 @@ def worn_to(
     left = thickness(liner.mesh)
     spare = left - limit
     if not (spare > 0.0).all():
-        thin = int(np.argmin(spare))
+        thin, given = int(np.argmin(spare)), float(np.max(limit))
+        hint = f" ({given:g} without a unit is metres: {given:g}*mm is meant?)" if given >= 1.0 else ""
         raise UserError(
             f"{liner.mesh.name} is worn out from the beginning: facet {thin} is {1e3 * left[thin]:.4g} mm thick, the limit is "
-            f"{1e3 * np.broadcast_to(limit, left.shape)[thin]:.4g} mm; give a limit below the present thickness"
+            f"{1e3 * np.broadcast_to(limit, left.shape)[thin]:.4g} mm; give a limit below the present thickness{hint}"
         )
     return Goal(spare, wear_surface(liner).facet_area, tolerance, confidence)
 

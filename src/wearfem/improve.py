@@ -99,6 +99,9 @@ class Improvement:
         Errors of coupled runs against the readings as they were read: no zero errors or the like are taken off.
     no_better
         Whether the effects were found, but in the coupled run do not predict readings held out; then `rounds` are without them.
+    own_sampling
+        [measured unit] by how much the last run's depths at the readings held out err by its own sampling, root mean square: no model of
+        it can be better than that and the gauge.
     again
         The diagnosis along the last run, where that was asked.
     """
@@ -112,6 +115,7 @@ class Improvement:
     coefficient_alone: Score
     improved: Score
     no_better: bool
+    own_sampling: float
     again: Diagnosis | None
 
     def write(self, folder: Path, story: str) -> Path:
@@ -198,17 +202,16 @@ def improve(
 
     coefficient = loop.repeat("coefficient", coefficient_alone)
     suspects = found.choice.best.suspects
-    effects = loop.repeat("effects", _refit(suspects)) if suspects else coefficient
-    while len(suspects) > 1 and (rest := needed(effects[-1], found.choice.odds)) != suspects:
-        suspects = rest
-        effects = loop.repeat("effects", _refit(suspects), effects)
+    effects = loop.repeat("effects", _refit(suspects), found.choice.odds) if suspects else coefficient
     before, after = loop.score(coefficient[-1]), loop.score(effects[-1])
     no_better = (after.heldout_rmse or 0.0) > 1.02 * (before.heldout_rmse or np.inf)
     if no_better:
         effects, after = coefficient, before
-    again = diagnose(exposed_by_run(survey, effects[-1].run), name_without=False) if diagnose_again else None
+    along = exposed_by_run(survey, effects[-1].run)
+    again = diagnose(along, name_without=False) if diagnose_again else None
     return Improvement(
-        plain, found, held, coefficient, effects, score(given.only(keep), held, 0), before, after, no_better, again
+        plain, found, held, coefficient, effects, score(given.only(keep), held, 0), before, after, no_better,
+        own_sampling(along.only(keep), held), again,
     )  # fmt: skip
 
 
@@ -257,18 +260,22 @@ class _Loop:
     quiet: bool
     say: Callable[[str], None]
 
-    def repeat(self, name: str, refit: Refit, before: tuple[Round, ...] = ()) -> tuple[Round, ...]:
-        """Coupled runs until the readings along the last say what was put into it, or the rounds are over; after those `before`."""
-        data = readings(self.given.only(self.train))
-        if before and before[-1].told.fitted is not None:
-            data = before[-1].told.fitted.readings
-        told = refit(data, None)
-        done = list(before)
+    def repeat(self, name: str, refit: Refit, odds: float | None = None) -> tuple[Round, ...]:
+        """Coupled runs until the readings along the last say what was put into it, or the rounds are over.
+
+        With the prior log odds of an effect, each run is asked whether it needs all that it has; what it does not is taken out.
+        """
+        told = refit(readings(self.given.only(self.train)), None)
+        done: list[Round] = []
         for _ in range(self.rounds):
             done.append(self.round(self.out / "rounds" / f"{name}-{len(done) + 1}", told, refit))
-            told = done[-1].told
+            told, fitted = done[-1].told, done[-1].told.fitted
             self.say(self._line(name, done))
-            if done[-1].change < PART:
+            rest = needed(done[-1], odds) if odds is not None and fitted and len(fitted.suspects) > 1 else ()
+            if rest and fitted and rest != fitted.suspects:
+                refit = _refit(rest)
+                told = refit(fitted.readings, None)
+            elif done[-1].change < PART:
                 break
         return tuple(done)
 
@@ -314,9 +321,7 @@ def coefficient_alone(data: Readings, before: Told | None) -> Told:
     start = np.log(before.factor if before is not None else data.coefficient)
     found = least_squares(left, [start], diff_step=1e-4)
     slope = found.jac[:, 0]
-    depth = depths(data.past, Model(float(np.exp(found.x[0]))))
-    known = disturbance(data.survey, data.past, depth, data.reference, data.thickness_free)
-    own = slope @ known.column[:, known.group == SAMPLING]
+    own = slope @ _own_errors(data, float(np.exp(found.x[0])))
     scatter = 2.0 * found.cost / max(1, len(data.worn) - 1)
     variance = (scatter + float(own @ own) / float(slope @ slope)) / float(slope @ slope)
     return Told(float(np.exp(found.x[0])), (), found.x, np.sqrt([variance]))
@@ -334,6 +339,19 @@ def with_suspects(data: Readings, suspects: Sequence[Candidate], before: Told | 
         effects.append(suspect.effect(fitted.coordinate[at : at + len(suspect.free)]))
         at += len(suspect.free)
     return Told(model.coefficient, tuple(effects), place, deviation, fitted)
+
+
+def own_sampling(along: Survey, held: np.ndarray) -> float:
+    """What a run does not know of its own depths [measured unit], root mean square over the readings held out."""
+    error = np.square(_own_errors(readings(along), 1.0)).sum(axis=1)
+    return float(np.sqrt(error[held].mean())) / along.measured_factor if held.any() else 0.0
+
+
+def _own_errors(data: Readings, factor: float) -> np.ndarray:
+    """(n, q) by which the run's own sampling may change each reading, for q independent standard normals"""
+    depth = depths(data.past, Model(factor))
+    known = disturbance(data.survey, data.past, depth, data.reference, data.thickness_free)
+    return known.column[:, known.group == SAMPLING]
 
 
 def score(along: Survey, held: np.ndarray, parameters: int) -> Score:

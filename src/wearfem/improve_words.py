@@ -78,6 +78,12 @@ def sentences(found: Improvement) -> list[str]:
             f"Run and readings do not agree yet: a parameter still moves by {found.last.change:.2g} of its standard deviation (less than "
             f"{PART:g} is asked); give --rounds more."
         )
+    if found.own_sampling > 0.2 * found.diagnosis.noise_floor:
+        known = _number(found.own_sampling, found.diagnosis.survey.measured_unit)
+        told.append(
+            f"The last run knows its own depths at the readings never fitted to {known} "
+            "(sampling of the flow): with the gauge, no model of it can do better; a smaller tolerance of the case samples longer."
+        )
     if found.again is not None:
         told.append(_left(found))
     return told
@@ -136,6 +142,7 @@ def improvement_values(found: Improvement, case: Path) -> dict[str, Any]:
         "coefficient_alone": found.coefficient_alone,
         "improved": found.improved,
         "noise_floor": found.diagnosis.noise_floor,
+        "run_own_sampling": found.own_sampling,
         "agreed": found.agreed,
         "rounds": [
             {

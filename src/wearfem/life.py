@@ -80,11 +80,11 @@ def line(report: CycleReport, case: LifeCase, elapsed: float, state: State, resu
     parts = [
         f"cycle {report.cycle:3d}",
         f"{words(report.service_time)} served",
-        f"{report.throughput / tonne:.4g} t",
+        f"{report.throughput / tonne:,.0f} t",
         f"deepest {1e3 * report.depth.max():.4g} mm",
         f"{1e6 * report.worn_volume:.4g} cm3",
         f"jump {words(report.taken * jump.duration)} ({'end' if state.ended else jump.limited_by})",
-        f"end of life at {words(life.time)} +- {words(interval)} ({case.goal.confidence:.0%}, at this rate)",
+        f"end of life at {words(life.time, interval)} ({case.goal.confidence:.0%}, at this rate)",
     ]
     if report.strain is not None:
         parts.append(f"von Mises {1e-6 * report.strain.largest_von_mises:.4g} MPa")
@@ -98,12 +98,19 @@ def line(report: CycleReport, case: LifeCase, elapsed: float, state: State, resu
     return ", ".join(parts)
 
 
-def words(seconds: float) -> str:
-    """A service time as people say it: `41.2 d`, `3.5 h`, `12 min`, `4 s`."""
-    for unit, name in ((day, "d"), (hour, "h"), (minute, "min")):
-        if abs(seconds) >= 2.0 * unit:
-            return f"{seconds / unit:.4g} {name}"
-    return f"{seconds:.3g} s"
+def words(seconds: float, interval: float | None = None) -> str:
+    """A service time as people say it, with its interval in the same unit: `41.2 d`, `3.5 h`, `12 min`, `4 s`, `68.9 +- 1.5 d`."""
+    unit, name = next(
+        (
+            (one, name)
+            for one, name in ((day, "d"), (hour, "h"), (minute, "min"))
+            if abs(seconds) >= 2.0 * one
+        ),
+        (1.0, "s"),
+    )
+    if interval is not None:
+        return f"{seconds / unit:.4g} +- {interval / unit:.2g} {name}"
+    return f"{seconds / unit:.{4 if name != 's' else 3}g} {name}"
 
 
 @contextmanager

@@ -284,6 +284,8 @@ def test_goals_by_thickness():
     np.testing.assert_allclose(goal.allowed_depth, 15e-3, rtol=1e-12)  # rounding
     with pytest.raises(UserError, match=r"facet 0 is 20 mm thick, the limit is 25 mm; give a limit below"):
         worn_to(plate(), 25e-3)
+    with pytest.raises(UserError, match=r"12 without a unit is metres: 12\*mm is meant\?"):
+        worn_to(plate(), 12.0)
 
 
 @pytest.mark.parametrize(

@@ -53,13 +53,13 @@ def designs() -> list[Design]:
     every, apart = plants().NAMES, plants().SEPARABLE
     noise, reading = range(1000, 1200), range(71, 73)
     return [
-        Design("whole", every, range(61, 65)),
-        Design("hard", apart, range(61, 67), HARD),
+        Design("whole", every, range(63, 65)),
+        Design("hard", apart, range(63, 65), HARD),
         Design("noise", ("none",), noise),
         Design("noise of places and dates", ("none",), noise, CARELESS),
         Design("noise of neighbours", ("bent_scans",), noise),
         Design("points elsewhere", ("elsewhere",), noise),
-        Design("intervals", apart, range(500, 530), {"points": 24, "occasions": 6}),
+        Design("intervals", apart, range(500, 508), {"points": 24, "occasions": 6}),
         *(Design(f"{at:g} mm", apart, reading, {"noise": at, "points": 24, "occasions": 6}) for at in NOISES),
         *(Design(f"{p} x {o}", apart, reading, {"points": p, "occasions": o}) for p, o in READINGS[:-1]),
     ]

@@ -42,7 +42,9 @@ class Trial:
     alike: tuple[tuple[str, ...], ...]
     right: bool
     error_over_noise: float  # error on held-out readings after, over the gauge's standard error
-    decided_over_noise: float  # the same, without points of which no other tells whether a patch covers them
+    decided_over_noise: (
+        float  # the same, without readings that the fitted ones do not tell to within the gauge's error
+    )
     covered: tuple[tuple[str, bool], ...]  # whether 90 % intervals hold the truth, by effect and parameter
 
 

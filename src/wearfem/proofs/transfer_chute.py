@@ -189,17 +189,17 @@ def watched(
     flow, _, _ = sample(start or case.flow, model, Window(warm_up))
     window = Window(seconds, round(seconds / BLOCK), round(seconds / SNAPSHOT))
     flow, loads, snapshots = sample(flow, model, window)
-    zone = zone_2(stream.share)
+    zone = replace(zone_2(), feed_rate=stream.feed_rate, share=stream.share)
     seen = passage(zone, surface, loads, snapshots)
     wear = chute.zone_wear(case.wear_law.depth_rate(loads), surface, stream)
-    return Watched(flow, model.time_step, wear, seen, theory(seen, zone, chute.SPECIFIC_WEAR_RATE))
+    return Watched(flow, model.time_step, wear, seen, theory(seen, zone, case.settings["specific_wear_rate"]))
 
 
-def zone_2(share: float = 1.0) -> Stretch:
-    """Zone 2 of the case, of whose width a share [-] is simulated."""
+def zone_2() -> Stretch:
+    """Zone 2 of the case, with the printed feed."""
     chute = parts_of(CASE)
     begin, end = chute.ZONE_2
-    return Stretch(chute.CHUTE, begin, end, chute.FEED_RATE, share)
+    return Stretch(chute.CHUTE, begin, end, chute.FEED_RATE)
 
 
 def chute_case(**settings: Any) -> LifeCase:

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.special import ndtr
+from scipy.special import ndtr, ndtri
 
 from wearfem.survey.history import History
 from wearfem.wear import effects as library
@@ -141,10 +141,13 @@ def by_progress(past: History) -> list[Candidate]:
     ratio = Free("ratio", "-", above_zero(1.0, 0.4))
     excess = Free("excess", "-", above_zero(0.7, 0.8))
     scale = Free("throughput", "progress", above_zero(0.15 * (last - first), 0.8))
+    middles = 0.5 * (
+        np.append(first, ends[:-1]) + ends
+    )  # readings bend where a date passes an occasion, so each interval has its best date
     return [
         Candidate(
             "OreChange", (date, ratio), lambda v: library.OreChange((v[0],), (v[1],)),
-            product(np.linspace(-1.5, 1.5, 9).tolist(), [0.0]), "date",
+            product(ndtri((middles - first) / (last - first)).tolist(), [0.5]), "date",
         ),
         Candidate(
             "RunningInByThroughput", (excess, scale), lambda v: library.RunningInByThroughput(v[0], v[1]),
@@ -220,7 +223,7 @@ def by_load(past: History, knots: int) -> list[Candidate]:
         found.append(
             Candidate(
                 "DeadZone", (Free("ratio", "-", between(0.0, 1.0)), Free("slip_speed", "m/s", lambda u: slow[round(u)])),
-                lambda v: library.DeadZone(v[1], v[0]), product([-0.5], [0.0, 1.0, 2.0, 3.0]), "slip_speed", share=np.full(len(slow), 1.0 / len(slow)),
+                lambda v: library.DeadZone(v[1], v[0]), product([-0.5], [0.0, 1.0, 2.0, 3.0]), "slip_speed", share=np.full(4, 0.25),
             )
         )  # fmt: skip
     angle = past.feature.get("impact_angle")

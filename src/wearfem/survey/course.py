@@ -12,7 +12,6 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 FAINT = 1e-9  # [-] of the largest rate: what does not wear needs no time to be told
-TOLD = 0.99  # [-] of the variance by sampling, summed over all plates and intervals, that its largest modes must hold
 
 
 @dataclass(frozen=True)
@@ -125,11 +124,11 @@ class Course:
         """Depth (l, m) from one service to another (l, m)."""
         return self.depth_at(end) - self.depth_at(begin)
 
-    def own_errors(self, begin: np.ndarray, end: np.ndarray) -> np.ndarray:
+    def own_errors(self, begin: np.ndarray, end: np.ndarray, least: float = 0.0) -> np.ndarray:
         """(l, m, q) relative errors of the growth in intervals (l, m) by the run's own sampling, for q independent standard normals.
 
         What a sample errs by acts on all growth that it stands for, and stays in every later depth. Of all combinations of samples and
-        places those are kept that hold `TOLD` of the variance of depth.
+        places those are left out that make no more than `least` of depth, root of the sum of squares over all lives and intervals.
         """
         if self.sampling is None:
             return np.zeros((*begin.shape, 0))
@@ -145,12 +144,7 @@ class Course:
         error = (share[:, :, :, None] * self.sampling.modes[:, None, None, :]).reshape(*growth.shape, -1)
         depth = np.cumsum(growth[..., None] * error, axis=1).reshape(growth.size, -1)
         size, mode = np.linalg.svd(depth, full_matrices=False)[1:]
-        held = np.cumsum(size**2)
-        return (
-            error @ mode[: int(np.searchsorted(held, TOLD * held[-1])) + 1].T
-            if held[-1] > 0.0
-            else error[..., :0]
-        )
+        return error @ mode[size > max(least, 1e-12 * size.max(initial=0.0))].T
 
     @property
     def _bend(self) -> np.ndarray:

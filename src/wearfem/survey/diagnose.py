@@ -71,8 +71,8 @@ class Effect:
 class HeldOut:
     """What the figures of `heldout_rmse` are taken over.
 
-    `undecided_points` are those, never fitted, of which the others do not tell whether the effect covers them (they lie at the border of
-    a patch), by more than the gauge's error; `decided_rmse` is the error of the improved model on the readings of all others.
+    `undecided` (point, occasion) are those that the fitted ones do not tell to within the gauge's error, even if the improved model is
+    right: at the border of a patch, or where wear is deeper than any that was fitted. `decided_rmse` is its error on all the others.
     """
 
     points: tuple[str, ...]
@@ -80,7 +80,7 @@ class HeldOut:
     readings: int
     straight_line_readings: int
     named_without_them: tuple[str, ...] | None
-    undecided_points: tuple[str, ...]
+    undecided: tuple[tuple[str, str], ...]
     decided_rmse: float | None
 
 
@@ -397,15 +397,15 @@ def _held_out_names(
     seen_occasions = set(survey.occasion[~held].tolist())
     points = [survey.point_names[p] for p in np.unique(survey.point) if p not in seen_points]
     occasions = [survey.occasion_names[o] for o in np.unique(survey.occasion) if o not in seen_occasions]
-    open_points = np.unique(
-        asked.survey.point[asked.past.of_rows(improved.undecided) > improved.spread.gauge]
-    )
-    decided = asked.only(~np.isin(asked.survey.point, open_points))
-    left = decided.worn - improved.predict(decided)
+    undecided = improved.doubt(asked) > improved.spread.gauge
+    left = (asked.worn - improved.predict(asked))[~undecided]
     return HeldOut(
         tuple(points), tuple(occasions), int(held.sum()),
         int((held & np.isin(survey.life, np.unique(survey.life[~held & ~survey.is_new]))).sum()), named,
-        tuple(survey.point_names[p] for p in open_points),
+        tuple(
+            (survey.point_names[p], survey.occasion_names[o])
+            for p, o in zip(asked.survey.point[undecided], asked.survey.occasion[undecided], strict=True)
+        ),
         float(np.sqrt(np.mean(left**2))) / survey.measured_factor if len(left) else None,
     )  # fmt: skip
 

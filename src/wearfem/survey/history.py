@@ -24,6 +24,7 @@ GAUSS_WEIGHT = np.array([5.0, 8.0, 5.0]) / 18.0
 FEWEST_PLACES = 8  # over which a smooth function can be told from scatter
 SMOOTH_LENGTH = 0.33  # [-] of the span of places
 STEPS = 4  # of the classical Runge-Kutta rule in an interval, where wear and additions go together
+UNSEEN = 0.3  # [gauge errors] below which a mode of a run's own errors adds less than a tenth to the variance of readings in its direction
 FAINT = 1e-6  # [-] least factor over depth: where nothing wears, the integral of 1/g has no end
 
 
@@ -135,7 +136,8 @@ def history(survey: Survey) -> History:
     sampled = np.zeros((1, 1, 0))
     if course is not None:
         served = begin - survey.life_start[:, None], end - survey.life_start[:, None]
-        exposure, sampled = _exposure_of(course, *served), course.own_errors(*served)
+        exposure = _exposure_of(course, *served)
+        sampled = course.own_errors(*served, UNSEEN * _reading_error(survey))
         middle = 0.5 * (begin + end) - survey.life_start[:, None]
         feature = {name: course.state_at(name, middle) for name in course.state} | feature
     return History(
@@ -143,6 +145,12 @@ def history(survey: Survey) -> History:
         survey.life, interval, course if course is not None and course.follows_shape else None,
         np.array(others).reshape(len(others), *begin.shape), sampled=sampled, **_over_place(feature.get("position"), exposure, course),
     )  # fmt: skip
+
+
+def _reading_error(survey: Survey) -> float:
+    """Of one reading as given; else what is small beside the wear"""
+    known = survey.sigma[np.isfinite(survey.sigma)]
+    return float(np.median(known)) if len(known) else 1e-3 * float(np.ptp(survey.reading))
 
 
 def _over_place(position: np.ndarray | None, exposure: np.ndarray, course: Course | None) -> dict[str, Any]:

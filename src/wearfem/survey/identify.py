@@ -235,6 +235,25 @@ class Fit:
         )
         return asked.past.of_rows(self.expected) + asked.offset + there.column @ new
 
+    def doubt(self, asked: Readings) -> np.ndarray:
+        """Standard deviation (n,) [SI] of what the model predicts of other readings, from its parameters and from lists alone.
+
+        Linear in the parameters, about the most probable ones.
+        """
+        slopes = np.zeros((asked.survey.size, len(self.coordinate)))
+        for i in np.flatnonzero(np.diag(self.deviation) > 0.0):
+            step = np.zeros(len(self.coordinate))
+            step[i] = 1e-2
+            ends = [
+                asked.past.of_rows(
+                    depths(asked.past, model_at(self.readings, self.suspects, self.coordinate + side * step))
+                )
+                for side in (-1.0, 1.0)
+            ]
+            slopes[:, i] = (ends[1] - ends[0]) / 2e-2
+        variance = np.einsum("ni,ij,nj->n", slopes, self.deviation, slopes)
+        return np.sqrt(variance + asked.past.of_rows(self.undecided) ** 2)
+
 
 def model_at(data: Readings, suspects: Sequence[Candidate], coordinate: np.ndarray) -> Model:
     """The model at a coordinate."""

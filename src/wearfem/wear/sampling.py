@@ -69,11 +69,6 @@ class Sample:
         """(b,) of all facets together"""
         return lag_products(self.rate)
 
-    def weighted(self, weight: np.ndarray) -> tuple[float, float]:
-        """Mean and standard error of the sum of rates times weights (f,), with what neighbours have in common."""
-        series = self.rate @ weight
-        return float(series.mean()), float(standard_error(series[:, None])[0])
-
 
 def passage(samples: Sequence[Sample]) -> tuple[np.ndarray, np.ndarray]:
     """When the liner came through the shape of each sample, and what had worn off by then: the trapezoid rule over all rates.
