@@ -6,7 +6,7 @@ new course, until no parameter moves by more than a part of its standard deviati
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +20,7 @@ from wearfem.run import case_of_run, live_to_the_end
 from wearfem.survey.candidates import Candidate, Suspect
 from wearfem.survey.choose import SURE, Choice
 from wearfem.survey.diagnose import Diagnosis, Effect, Score, diagnose, held_out
+from wearfem.survey.forecast import posterior
 from wearfem.survey.history import History, Model, depths
 from wearfem.survey.identify import COEFFICIENT_PRIOR, Fit, Readings, fit, readings
 from wearfem.survey.in_service import Service, in_service, service
@@ -28,6 +29,7 @@ from wearfem.survey.survey import Survey
 
 PART = 0.25  # of a standard deviation: a parameter that changes by less is the same
 ROUNDS = 6  # coupled runs at most
+DRAWS = 500  # from the posterior, whose mean is put into a run
 
 
 @dataclass(frozen=True)
@@ -345,9 +347,9 @@ def coefficient_alone(data: Readings, before: Told | None) -> Told:
 
 
 def with_suspects(data: Readings, suspects: Sequence[Candidate], before: Told | None) -> Told:
-    """The factor and the effects, most probable with nuisances integrated out."""
+    """The factor and the effects, at their mean over what the readings leave probable, with nuisances integrated out."""
     start = before.fitted if before is not None else None
-    fitted = fit(data, suspects, start)
+    fitted = at_mean(fit(data, suspects, start))
     model = fitted.model
     place, deviation = fitted.coordinate.copy(), np.sqrt(np.diag(fitted.deviation))
     place[0], deviation[0] = np.log(model.coefficient), COEFFICIENT_PRIOR * deviation[0]
@@ -356,6 +358,16 @@ def with_suspects(data: Readings, suspects: Sequence[Candidate], before: Told | 
         effects.append(suspect.effect(fitted.coordinate[at : at + len(suspect.free)]))
         at += len(suspect.free)
     return Told(model.coefficient, tuple(effects), place, deviation, fitted)
+
+
+def at_mean(fitted: Fit) -> Fit:
+    """A fit at the mean of its posterior and with its spread, in place of the peak.
+
+    A parameter that readings bound from one side only, like the core of a plate that is not worn to it, has its peak at that bound or
+    where its prior is widest. A run goes on beyond the readings, and errs least on average with the mean.
+    """
+    drawn = posterior(fitted, DRAWS, np.random.default_rng(1))
+    return replace(fitted, coordinate=drawn.mean(axis=0), deviation=np.cov(drawn.T))
 
 
 def own_sampling(along: Survey, held: np.ndarray) -> float:
