@@ -169,7 +169,7 @@ def test_what_is_refused():
 
 def test_without_gmsh_the_sentence_names_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "gmsh", None)
-    with pytest.raises(UserError, match="libglu1-mesa"):
+    with pytest.raises(UserError, match="libglu1-mesa libgl1 .* libxft2"):
         remesh(plate(), 0.02)
 
 

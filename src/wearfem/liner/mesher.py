@@ -6,6 +6,8 @@ from typing import Any
 
 from wearfem.errors import UserError
 
+PACKAGES = "libglu1-mesa libgl1 libxrender1 libxcursor1 libxft2 libxinerama1 libgomp1"  # Debian's, of what gmsh opens
+
 
 @contextmanager
 def gmsh_model(name: str, options: Mapping[str, float]) -> Iterator[Any]:
@@ -20,8 +22,8 @@ def gmsh_model(name: str, options: Mapping[str, float]) -> Iterator[Any]:
         import gmsh
     except (ImportError, OSError) as error:
         raise UserError(
-            f"gmsh cannot be loaded ({error}); pip install gmsh, and the system library that it needs (on Debian and Ubuntu: "
-            "apt install libglu1-mesa)."
+            f"gmsh cannot be loaded ({error}); pip install gmsh, and the system libraries that it opens (on Debian and Ubuntu: "
+            f"sudo apt-get install {PACKAGES})"
         ) from error
     fresh = not gmsh.isInitialized()
     if fresh:
