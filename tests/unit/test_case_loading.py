@@ -83,7 +83,7 @@ def test_a_faulty_case_file_is_told_in_a_sentence(cases, text, expected):
 
 def test_an_unknown_keyword_lists_the_keywords(cases):
     folder = write(cases / "good", GOOD)
-    with pytest.raises(UserError, match="good has no keyword forse.*force=5.0, seed=1"):
+    with pytest.raises(UserError, match="good has no keyword forse.*force=5, seed=1"):
         load_case(folder, {"forse": 6.0})
 
 
