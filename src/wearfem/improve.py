@@ -95,10 +95,11 @@ class Improvement:
         Along the run that was given.
     held
         (n,) readings that no round saw, of those that were not doubted.
-    coefficient_rounds, rounds
-        Coupled runs with the coefficient alone, and with the effects too (the same where none was found).
+    rounds
+        Coupled runs with the coefficient and the effects; with the coefficient alone where none was found.
     as_given, coefficient_alone, improved
-        Errors of coupled runs against the readings as they were read: no zero errors or the like are taken off.
+        Errors against the readings as they were read, no zero errors or the like taken off: of the run as it was given, of its course
+        walked at another pace, which is what a run with another coefficient does, and of the last coupled run.
     no_better
         Whether the effects were found, but in the coupled run do not predict readings held out; then `rounds` are without them.
     own_sampling
@@ -111,7 +112,6 @@ class Improvement:
     plain: LifeCase
     diagnosis: Diagnosis
     held: np.ndarray
-    coefficient_rounds: tuple[Round, ...]
     rounds: tuple[Round, ...]
     as_given: Score
     coefficient_alone: Score
@@ -144,7 +144,7 @@ class Improvement:
     @property
     def agreed(self) -> bool:
         """Whether run and readings came to agree within the rounds allowed"""
-        return self.rounds[-1].change < PART and self.coefficient_rounds[-1].change < PART
+        return self.rounds[-1].change < PART
 
 
 def improve(
@@ -171,7 +171,7 @@ def improve(
     found
         The diagnosis along that run, where it is at hand.
     rounds
-        Coupled runs at most, for the coefficient alone and for the effects each.
+        Coupled runs at most, for each set of effects.
     diagnose_again
         Ask along the last run whether what is left is noise.
     quiet
@@ -202,17 +202,19 @@ def improve(
     train[np.flatnonzero(keep)[held]] = False
     loop = _Loop(survey, plain, given, data.past, keep, held, train, unit, last, out, rounds, quiet, say)
 
-    coefficient = loop.repeat("coefficient", coefficient_alone)
+    coefficient = coefficient_alone(readings(given.only(train)), None)
+    before = score(given.only(keep), held, 1, coefficient.factor)
     suspects = found.choice.best.suspects
-    effects = loop.one_by_one(found.choice) if suspects else coefficient
-    before, after = loop.score(coefficient[-1]), loop.score(effects[-1])
-    no_better = (after.heldout_rmse or 0.0) > 1.02 * (before.heldout_rmse or np.inf)
+    done = loop.one_by_one(found.choice) if suspects else loop.repeat("coefficient", coefficient_alone)
+    no_better = bool(suspects) and (loop.score(done[-1]).heldout_rmse or 0.0) > 1.02 * (
+        before.heldout_rmse or np.inf
+    )
     if no_better:
-        effects, after = coefficient, before
-    along = exposed_by_run(survey, effects[-1].run)
+        done = loop.repeat("coefficient", coefficient_alone)
+    along = exposed_by_run(survey, done[-1].run)
     again = diagnose(along, name_without=False) if diagnose_again else None
     return Improvement(
-        plain, found, held, coefficient, effects, score(given.only(keep), held, 0), before, after, no_better,
+        plain, found, held, done, score(given.only(keep), held, 0), before, loop.score(done[-1]), no_better,
         own_sampling(along.only(keep), held), again,
     )  # fmt: skip
 
@@ -383,13 +385,13 @@ def _own_errors(data: Readings, factor: float) -> np.ndarray:
     return known.column[:, known.group == SAMPLING]
 
 
-def score(along: Survey, held: np.ndarray, parameters: int) -> Score:
-    """Errors of a run's own depths [measured unit], on readings it was fitted to and on those held out."""
+def score(along: Survey, held: np.ndarray, parameters: int, factor: float = 1.0) -> Score:
+    """Errors of a run's own depths at a pace [measured unit], on readings it was fitted to and on those held out."""
     data = readings(along)
-    left = data.worn - data.past.of_rows(depths(data.past, Model(1.0)))
-    factor = along.measured_factor
+    left = data.worn - data.past.of_rows(depths(data.past, Model(factor)))
+    size = along.measured_factor
     return Score(
-        float(np.sqrt(np.mean(left[~held] ** 2))) / factor,
-        float(np.sqrt(np.mean(left[held] ** 2))) / factor if held.any() else None,
+        float(np.sqrt(np.mean(left[~held] ** 2))) / size,
+        float(np.sqrt(np.mean(left[held] ** 2))) / size if held.any() else None,
         float(np.sum(left[~held] ** 2)) / data.reference**2 / max(1, int((~held).sum()) - parameters),
     )
