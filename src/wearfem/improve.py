@@ -29,6 +29,7 @@ from wearfem.survey.survey import Survey
 
 PART = 0.25  # of a standard deviation: a parameter that changes by less is the same
 ROUNDS = 6  # coupled runs at most
+ALIKE = 2.0  # standard deviations: runs that had parameters no further apart go through the same shapes, as far as can be told
 DRAWS = 500  # from the posterior, whose mean is put into a run
 
 
@@ -294,7 +295,8 @@ class _Loop:
         told, done = refit(data, None), list(before)
         for _ in range(self.rounds):
             done.append(self.round(self.out / "rounds" / f"{name}-{len(done) + 1}", told, refit))
-            told = done[-1].told
+            told = averaged(done[-1].told, done[len(before) :])
+            done[-1] = replace(done[-1], change=told.change(done[-1].put_in))
             self.say(self._line(name, done))
             if done[-1].change < PART:
                 break
@@ -351,15 +353,34 @@ def coefficient_alone(data: Readings, before: Told | None) -> Told:
 def with_suspects(data: Readings, suspects: Sequence[Candidate], before: Told | None) -> Told:
     """The factor and the effects, at their mean over what the readings leave probable, with nuisances integrated out."""
     start = before.fitted if before is not None else None
-    fitted = at_mean(fit(data, suspects, start))
+    return told_by(at_mean(fit(data, suspects, start)))
+
+
+def told_by(fitted: Fit) -> Told:
+    """The factor and the effects of a fit."""
     model = fitted.model
     place, deviation = fitted.coordinate.copy(), np.sqrt(np.diag(fitted.deviation))
     place[0], deviation[0] = np.log(model.coefficient), COEFFICIENT_PRIOR * deviation[0]
     at, effects = 1, []
-    for suspect in suspects:
+    for suspect in fitted.suspects:
         effects.append(suspect.effect(fitted.coordinate[at : at + len(suspect.free)]))
         at += len(suspect.free)
     return Told(model.coefficient, tuple(effects), place, deviation, fitted)
+
+
+def averaged(last: Told, rounds: Sequence[Round]) -> Told:
+    """What the readings say along several runs, mean over those that had nearly what the last says: `ALIKE` standard deviations at most.
+
+    Each run errs by its own sampling, and what is told along it with it; a loop that follows the last would chase that noise.
+
+    **Source** stochastic approximation, H. Robbins and S. Monro, Ann. Math. Stat. 22 (1951) 400-407: steps of 1/n.
+    """
+    alike = [one.told for one in rounds[:-1] if last.change(one.put_in) < ALIKE] + [last]
+    if last.fitted is None:
+        place = np.mean([told.place for told in alike], axis=0)
+        return replace(last, factor=float(np.exp(place[0])), place=place)
+    coordinate = np.mean([told.fitted.coordinate for told in alike if told.fitted is not None], axis=0)
+    return told_by(replace(last.fitted, coordinate=coordinate))
 
 
 def at_mean(fitted: Fit) -> Fit:
