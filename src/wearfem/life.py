@@ -20,6 +20,7 @@ from wearfem.history import (
     write_series,
 )
 from wearfem.progress import clock, progress
+from wearfem.sharpness import of_whole_face
 from wearfem.units import day, hour, minute, tonne
 
 
@@ -40,7 +41,10 @@ def live(case: LifeCase, run: Path, quiet: bool = False) -> History:
                 print(f"stopped after cycle {state.cycle}; go on with: wearfem resume {run}", flush=True)
                 raise KeyboardInterrupt
     print(f"ended: {state.ended}", flush=True)
-    return read_history(run)
+    history = read_history(run)
+    if sharp := of_whole_face(history, case):
+        print(sharp.words(history.life[-1].time), flush=True)
+    return history
 
 
 def _one(

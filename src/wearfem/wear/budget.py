@@ -36,8 +36,7 @@ def cheapest_plan(
 
     N jumps with a warm-up W each and S seconds of samples in all cost N W + S. They make the end of life err by the parts
 
-        k / (12 N^2)                    trapezoid rule
-        (5 k / 12 + g^2 / 2) g / N^3    samples on a surface that the predictor moved: Adams-Bashforth, the first one Euler
+        k / (12 N^2)                    trapezoid rule; it is taken off in the end, so far as it is known, and counted in full here
         g m exp(-W/m) / S               samples that still see some of the surface before the jump
 
     which add up to b times the tolerance e. S = s / (q e)^2, q the standard deviation with which a normal error around b stays within

@@ -5,12 +5,14 @@ between samples (bias: shorter jumps help, each costs a warm-up), and the rate i
 currency, seconds of life: a depth error e made while the rate is r moves the end of life by e / r, whatever the wear does to the rate
 later. That is exact for one facet whose rate depends on its own depth.
 
-The scheme is a predictor-corrector pair spread over consecutive cycles, second order in time with one sample a cycle:
+The scheme is a predictor-corrector pair spread over consecutive cycles, with one sample a cycle:
 
     predict   surface moves by   D (r_n + s_n D / 2),  s_n the slope of the last two samples    (Adams-Bashforth 2, variable step)
-    correct   depth grew by      D (r_n + r_n+1) / 2,  when the next sample is known            (trapezoid rule)
+    correct   the surface of the next sample is known exactly, and when the liner came through it is told by both rates,
+              step (r_n + r_n+1) / 2 = the way between the two surfaces                         (trapezoid rule)
 
-The correction rides on the next jump. Noise is not amplified: in the end each sample weighs as in the trapezoid rule.
+What the predictor was off by rides on the next jump and costs no accuracy. The bias of the trapezoid rule is second order and taken off in
+the end by the bends that were seen. Noise is not amplified: in the end each sample weighs as in the trapezoid rule.
 
 Functions take the samples so far and return values; a jump that is rejected is one whose last sample is not kept.
 The derivation is in docs/decisions/0006-how-long-a-sample-may-be-trusted.md.
@@ -105,7 +107,7 @@ class Life:
 
     time: float  # [s]
     facet: int
-    bias: float  # [s] expected, of the jumps; positive if `time` is too late
+    bias: float  # [s] of the jumps, positive where they made it too late; `time` is without it, and it stays as its error
     noise: float  # [s] standard deviation, of sampling and of sudden changes within jumps
 
     def error(self, deviations: float = 1.0) -> float:
@@ -200,7 +202,10 @@ def is_trusted(samples: Sequence[Sample], goal: Goal) -> bool:
 
 
 def end_of_life(samples: Sequence[Sample], goal: Goal) -> Life:
-    """When the first facet is worn out, with what is known of the error."""
+    """When the first facet is worn out, with what is known of the error.
+
+    The trapezoid rule over the rates at the shapes that the liner came through, less the bias that the bends of the rate tell of it.
+    """
     course = Course.along(samples, goal)
     when, worn = passage(samples)
     time = np.full(worn.shape[1], np.inf)
@@ -223,7 +228,9 @@ def end_of_life(samples: Sequence[Sample], goal: Goal) -> Life:
         + course.sudden_variance
         + lives.doubt**2
     )
-    return Life(float(lives.time[facet]), facet, course.spent_bias, float(np.sqrt(variance)))
+    return Life(
+        float(lives.time[facet]) - course.spent_bias, facet, course.spent_bias, float(np.sqrt(variance))
+    )
 
 
 def _plan(course: Course, goal: Goal, longest: float) -> Plan:
