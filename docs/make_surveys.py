@@ -13,7 +13,10 @@ from pathlib import Path
 from wearfem import __version__
 
 ROOT = Path(__file__).parents[1]
-SURVEYS = {"conveyor_belt": ("--progress", "cumulative_tonnage"), "metal_sliding_wear": ()}
+SURVEYS = {
+    "conveyor_belt": ("--progress", "cumulative_tonnage", "--limit", "24*mm"),
+    "metal_sliding_wear": ("--limit", "90*um"),
+}
 
 
 def told(name: str) -> str:
@@ -30,6 +33,13 @@ def metal_sliding_wear() -> str:
     return told("metal_sliding_wear")
 
 
+def belt_in_short() -> str:
+    """What forecasts of the belt were worth, in a line"""
+    tested = json.loads((ROOT / "cases" / "conveyor_belt" / "told.json").read_text())["back_test"]
+    errors = [f"{model['name']} {model['rmse']:.2f} mm" for model in tested["models"]]
+    return f"({', '.join(errors)}, over {len(tested['occasions'])} inspections)"
+
+
 def main() -> None:
     for name, options in SURVEYS.items():
         with tempfile.TemporaryDirectory() as folder:
@@ -41,8 +51,9 @@ def main() -> None:
                 check=True,
                 stdout=subprocess.PIPE,
             )
+            told = json.loads((Path(folder) / "forecast.json").read_text())
         lines = [line for line in done.stdout.splitlines() if not line.startswith("wrote ")]
-        kept = {"version": __version__, "screen": lines}
+        kept = {"version": __version__, "screen": lines, "back_test": told["back_test"]}
         (ROOT / "cases" / name / "told.json").write_text(json.dumps(kept, indent=1) + "\n")
         print(done.stdout, flush=True)
 

@@ -11,6 +11,7 @@ To make it yours, copy the folder, and change the numbers below and the defaults
 """
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from math import asin, cos, pi, sin, sqrt
@@ -25,8 +26,10 @@ from wearfem.dem.feed import Inlet, uniform_sizes
 from wearfem.dem.flow import Domain, Flow, Model, Wall
 from wearfem.dem.particles import spheres
 from wearfem.history import History
-from wearfem.liner.chute import CurvedChute, facet_angle, share_between
+from wearfem.liner.block import with_group
+from wearfem.liner.chute import CurvedChute, angle_of, facet_angle, share_between
 from wearfem.liner.liner import Liner, wear_surface
+from wearfem.liner.mesh import SolidMesh
 from wearfem.material import Interaction, Material
 from wearfem.report import draw_lines, picture
 from wearfem.report_particles import draw_side
@@ -215,7 +218,8 @@ def case(
     """
     step = time_step_share * rayleigh_time(coarsening, shear_modulus)
     stream = Stream(shear_modulus, coarsening, slice_width, step, seed, rolling_friction, throughput)
-    liner = Liner(CHUTE.slice(slice_width, mesh_size) if slice_width else CHUTE.trough(mesh_size), STEEL)
+    mesh = CHUTE.slice(slice_width, mesh_size) if slice_width else CHUTE.trough(mesh_size)
+    liner = Liner(with_zones(mesh), STEEL)
     return LifeCase(
         name=Path(__file__).parent.name,
         flow=stream.nothing,
@@ -257,12 +261,27 @@ def shortcuts(stream: Stream, step: float) -> tuple[str, ...]:
     )
 
 
+def zones() -> Iterator[tuple[str, float, float]]:
+    """Where the ore comes on (1), slides down the arc (2) and along the straight end (3): name and borders [rad]"""
+    for number, (low, high) in enumerate(pairwise((-math.inf, *ZONE_2, math.inf)), 1):
+        yield f"zone {number}", low, high
+
+
+def with_zones(mesh: SolidMesh) -> SolidMesh:
+    """The mesh with its zones as groups, so that reports and forecasts tell each by itself."""
+    for name, low, high in zones():
+        mesh = with_group(
+            mesh,
+            name,
+            lambda centre, low=low, high=high: (angle_of(centre) >= low) & (angle_of(centre) < high),
+        )
+    return mesh
+
+
 def zone_wear(rate: np.ndarray, surface: Surface, stream: Stream) -> tuple[Measured, ...]:
-    """Volume rates [m3/s] of zone 1 (the ore comes on), 2 (it slides down the arc) and 3 (the straight end) of the whole width, from depth
-    rates (b, f) [m/s] by block."""
+    """Volume rates [m3/s] of the zones of the whole width, from depth rates (b, f) [m/s] by block."""
     volume = rate * surface.facet_area / stream.share
-    borders = pairwise((-math.inf, *ZONE_2, math.inf))
-    return tuple(mean_of(volume @ share_between(surface, low, high)) for low, high in borders)
+    return tuple(mean_of(volume @ share_between(surface, low, high)) for _, low, high in zones())
 
 
 @dataclass(frozen=True)
@@ -275,19 +294,17 @@ class Measure:
     def __call__(self, history: History) -> tuple[Figure, ...]:
         """The life, and the rates of wear of the new and of the worn chute."""
         told, worn = history.life[-1], wear_surface(history.state.now.liner)
-        kept = worn.facet_count == len(
-            self.new.mesh.wear
-        )  # else all rates are told on the facets of another mesh
+        # Else all rates are told on the facets of another mesh.
+        kept = worn.facet_count == len(self.new.mesh.wear)
         first = zone_wear(history.samples[0].rate, wear_surface(self.new) if kept else worn, self.stream)
         last = zone_wear(history.samples[-1].rate, worn, self.stream)
         straight = float((history.allowed_depth / history.rate[0]).min())
+        end = "end of life" if history.ended == "end of life" else "end of life, at the last rate"
         rows = [
-            Figure("end of life", told.time / day, "d"),
-            Figure(
-                "end of life, half of its 90 % interval", history.reports[-1].end_error(NINETY) / day, "d"
-            ),
+            Figure(end, told.time / day, "d"),
+            Figure("half of its 90 % interval", history.reports[-1].end_error(NINETY) / day, "d"),
             Figure("ore until then", told.time * self.stream.feed_rate / kilotonne, "kt"),
-            Figure("end of life, had the new chute's rate stayed", straight / day, "d"),
+            Figure("end of life, had the first rate stayed", straight / day, "d"),
             Figure(
                 "place that is worn out first", float(np.degrees(facet_angle(worn)[told.facet])), "degree"
             ),

@@ -47,6 +47,7 @@ def row(done: Improvement, hidden: str, seed: int) -> dict[str, Any]:
         "seed": seed,
         "verdict": found.verdict,
         "named": [effect.name for effect in found.effects],
+        "put in": [effect.name for effect in done.effects],
         "cannot be told from": sorted({other for effect in found.effects for other in effect.indistinguishable_from}),
         "run's own sampling": done.own_sampling,
         "straight line": found.straight_line.heldout_rmse,

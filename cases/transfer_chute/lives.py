@@ -23,7 +23,7 @@ from wearfem.life import line
 from wearfem.liner.chute import facet_angle
 from wearfem.liner.liner import wear_surface
 from wearfem.run import run_case
-from wearfem.units import day, mm
+from wearfem.units import day, kilotonne, mm
 
 CASE = Path(__file__).parent
 RESULTS = CASE / "lives.json"
@@ -65,7 +65,6 @@ class Told:
 
 def told(run: Path, settings: Mapping[str, Any]) -> Told:
     """What a run folder tells."""
-    figures = {row["name"]: row["value"] for row in json.loads((run / "figures.json").read_text())}
     manifest = json.loads((run / "manifest.json").read_text())
     case, history = load_any_case(CASE, settings), read_history(run)
     angle = np.degrees(facet_angle(wear_surface(history.state.now.liner)))
@@ -77,14 +76,14 @@ def told(run: Path, settings: Mapping[str, Any]) -> Told:
     last = line(end, case, 0.0, history.state)
     return Told(
         settings=dict(settings),
-        life=figures["end of life"],
+        life=history.life[-1].time / day,
         half=history.reports[-1].end_error(case.goal.deviations) / day,
-        straight=figures["end of life, had the new chute's rate stayed"],
-        ore=figures["ore until then"],
-        angle=figures["place that is worn out first"],
+        straight=float((history.allowed_depth / history.rate[0]).min()) / day,
+        ore=history.life[-1].time * case.throughput_rate / kilotonne,
+        angle=float(angle[history.life[-1].facet]),
         arc_deepest=1e3 * float(history.depth[-1][zone_2].max()),
-        cycles=int(figures["cycles"]),
-        flow=figures["flow sampled"],
+        cycles=len(history.reports),
+        flow=history.simulated,
         lines=(first, before, last, f"ended: {history.ended}"),
         commit=manifest["git_commit"],
         foretold=foretold(run) if history.ended == "service time" else (),

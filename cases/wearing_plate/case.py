@@ -144,8 +144,13 @@ def figures(history: History, law: str, allowed: float, rate: float) -> tuple[Fi
     told = history.life[-1]
     true = life(law, allowed, rate)
     promised = history.reports[-1].end_error(1.645)
+    end = told.time / day
+    if history.ended == "end of life":
+        life_told = Figure("end of life", end, "d", true / day, "integral of 1/r over depth", promised / day)
+    else:
+        life_told = Figure("end of life, at the last rate", end, "d")
     return (
-        Figure("end of life", told.time / day, "d", true / day, "integral of 1/r over depth", promised / day),
+        life_told,
         Figure("promised at 90 %", promised / day, "d"),
         Figure("cycles", len(history.reports), "-"),
         Figure("samples rejected", history.rejected, "-"),

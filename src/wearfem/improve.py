@@ -6,7 +6,7 @@ new course, until no parameter moves by more than a part of its standard deviati
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -18,8 +18,9 @@ from wearfem.errors import UserError
 from wearfem.exposure import PutIn, exposed_by_run
 from wearfem.run import case_of_run, live_to_the_end
 from wearfem.survey.candidates import Candidate, Suspect
-from wearfem.survey.choose import SURE
+from wearfem.survey.choose import SURE, Choice
 from wearfem.survey.diagnose import Diagnosis, Effect, Score, diagnose, held_out
+from wearfem.survey.forecast import posterior
 from wearfem.survey.history import History, Model, depths
 from wearfem.survey.identify import COEFFICIENT_PRIOR, Fit, Readings, fit, readings
 from wearfem.survey.in_service import Service, in_service, service
@@ -28,6 +29,7 @@ from wearfem.survey.survey import Survey
 
 PART = 0.25  # of a standard deviation: a parameter that changes by less is the same
 ROUNDS = 6  # coupled runs at most
+DRAWS = 500  # from the posterior, whose mean is put into a run
 
 
 @dataclass(frozen=True)
@@ -202,7 +204,7 @@ def improve(
 
     coefficient = loop.repeat("coefficient", coefficient_alone)
     suspects = found.choice.best.suspects
-    effects = loop.repeat("effects", _refit(suspects), found.choice.odds) if suspects else coefficient
+    effects = loop.one_by_one(found.choice) if suspects else coefficient
     before, after = loop.score(coefficient[-1]), loop.score(effects[-1])
     no_better = (after.heldout_rmse or 0.0) > 1.02 * (before.heldout_rmse or np.inf)
     if no_better:
@@ -225,8 +227,7 @@ def _refit(suspects: Sequence[Candidate]) -> Refit:
 def needed(last: Round, odds: float) -> tuple[Candidate, ...]:
     """The effects of a run without the one that the readings along it ask for least, if they do not ask for it.
 
-    A diagnosis along a run without effects may take two for one: what the first does to the shape looks like another. Along the run that
-    has them both, each must be as probable as a diagnosis asks.
+    Along the run that has them all, each must be as probable as a diagnosis asks.
 
     Parameters
     ----------
@@ -260,22 +261,40 @@ class _Loop:
     quiet: bool
     say: Callable[[str], None]
 
-    def repeat(self, name: str, refit: Refit, odds: float | None = None) -> tuple[Round, ...]:
-        """Coupled runs until the readings along the last say what was put into it, or the rounds are over.
+    def one_by_one(self, choice: Choice) -> tuple[Round, ...]:
+        """Coupled runs with the effect that explains most by itself; with another of those that were found where the readings ask for it.
 
-        With the prior log odds of an effect, each run is asked whether it needs all that it has; what it does not is taken out.
+        A diagnosis along a run without effects may take two for one: what the first does to the shape looks like another, and a run that
+        is given both keeps them. So the second must be asked for along the run that has the first.
         """
-        told = refit(readings(self.given.only(self.train)), None)
-        done: list[Round] = []
+        alone = {
+            fitted.suspects[0].name: fitted.log_evidence
+            for fitted in choice.tried
+            if len(fitted.suspects) == 1
+        }
+        first, *rest = sorted(choice.best.suspects, key=lambda suspect: -alone.get(suspect.name, -np.inf))
+        done = self.repeat("effects", _refit((first,)))
+        for more in rest:
+            before = done[-1].told.fitted
+            assert before is not None  # there are effects in the run
+            richer = fit(before.readings, (*before.suspects, more), before)
+            if richer.log_evidence - before.log_evidence + choice.odds > SURE:
+                done = self.repeat("effects", _refit(richer.suspects), done)
+                if (fewer := needed(done[-1], choice.odds)) != richer.suspects:
+                    done = self.repeat("effects", _refit(fewer), done)
+        return done
+
+    def repeat(self, name: str, refit: Refit, before: tuple[Round, ...] = ()) -> tuple[Round, ...]:
+        """Coupled runs until the readings along the last say what was put into it, or the rounds are over; after those `before`."""
+        data = readings(self.given.only(self.train))
+        if before and before[-1].told.fitted is not None:
+            data = before[-1].told.fitted.readings
+        told, done = refit(data, None), list(before)
         for _ in range(self.rounds):
             done.append(self.round(self.out / "rounds" / f"{name}-{len(done) + 1}", told, refit))
-            told, fitted = done[-1].told, done[-1].told.fitted
+            told = done[-1].told
             self.say(self._line(name, done))
-            rest = needed(done[-1], odds) if odds is not None and fitted and len(fitted.suspects) > 1 else ()
-            if rest and fitted and rest != fitted.suspects:
-                refit = _refit(rest)
-                told = refit(fitted.readings, None)
-            elif done[-1].change < PART:
+            if done[-1].change < PART:
                 break
         return tuple(done)
 
@@ -328,9 +347,9 @@ def coefficient_alone(data: Readings, before: Told | None) -> Told:
 
 
 def with_suspects(data: Readings, suspects: Sequence[Candidate], before: Told | None) -> Told:
-    """The factor and the effects, most probable with nuisances integrated out."""
+    """The factor and the effects, at their mean over what the readings leave probable, with nuisances integrated out."""
     start = before.fitted if before is not None else None
-    fitted = fit(data, suspects, start)
+    fitted = at_mean(fit(data, suspects, start))
     model = fitted.model
     place, deviation = fitted.coordinate.copy(), np.sqrt(np.diag(fitted.deviation))
     place[0], deviation[0] = np.log(model.coefficient), COEFFICIENT_PRIOR * deviation[0]
@@ -339,6 +358,16 @@ def with_suspects(data: Readings, suspects: Sequence[Candidate], before: Told | 
         effects.append(suspect.effect(fitted.coordinate[at : at + len(suspect.free)]))
         at += len(suspect.free)
     return Told(model.coefficient, tuple(effects), place, deviation, fitted)
+
+
+def at_mean(fitted: Fit) -> Fit:
+    """A fit at the mean of its posterior and with its spread, in place of the peak.
+
+    A parameter that readings bound from one side only, like the core of a plate that is not worn to it, has its peak at that bound or
+    where its prior is widest. A run goes on beyond the readings, and errs least on average with the mean.
+    """
+    drawn = posterior(fitted, DRAWS, np.random.default_rng(1))
+    return replace(fitted, coordinate=drawn.mean(axis=0), deviation=np.cov(drawn.T))
 
 
 def own_sampling(along: Survey, held: np.ndarray) -> float:

@@ -94,16 +94,18 @@ class BackTest:
     def stretch(self) -> np.ndarray:
         """(3,) by how much the intervals of each model must be stretched to have held 80 % of the readings; 1 where they did
 
-        Readings of an occasion share its errors, so occasions are counted: 1 too where the mean of their shares is below 80 % by no more
-        than its standard error, or where there is one occasion only.
+        Readings of an occasion share its errors, so shares are compared occasion by occasion: 1 too where their mean is below 80 % by no
+        more than its standard error (at least that of so many readings by themselves), or where two occasions or fewer were foretold.
         """
         share = np.array([f.held.mean(axis=1) for f in self.occasions])
         count = len(share)
-        if count < 2:
+        if count < 3:
             return np.ones(len(NAMES))
+        error = np.maximum(
+            share.std(axis=0, ddof=1) / np.sqrt(count), np.sqrt(SHARE * (1.0 - SHARE) / self.readings)
+        )
         needed = np.quantile(np.concatenate([f.reach for f in self.occasions], axis=1), SHARE, axis=1)
-        short = share.mean(axis=0) + share.std(axis=0, ddof=1) / np.sqrt(count) < SHARE
-        return np.where(short, np.maximum(needed, 1.0), 1.0)
+        return np.where(share.mean(axis=0) + error < SHARE, np.maximum(needed, 1.0), 1.0)
 
 
 @dataclass(frozen=True)

@@ -113,9 +113,10 @@ def _undecided(found: Diagnosis) -> str:
     """Readings, kept back, that no other tells"""
     held = found.heldout
     points = tuple(dict.fromkeys(point for point, _ in held.undecided))
+    where = in_words([f"point {points[0]}", *points[1:]]) if len(points) <= 4 else f"{len(points)} points"
     words = (
-        f"{len(held.undecided)} of these {held.readings} (at {in_words(points)}) are not told by the others to within the gauge's error: "
-        "deeper than any that was fitted, or at the border of a patch"
+        f"{len(held.undecided)} of these {held.readings}, at {where}, are told by the fitted ones no better than to the gauge's error, even if "
+        "the model is right"
     )
     rest = held.decided_rmse
     return words if rest is None else f"{words}; error on the rest {rest:.3g} {found.survey.measured_unit}"
