@@ -1,6 +1,6 @@
 """What jumps promise and cost, written to docs/jump.json, which the pages print, and drawn in docs/pictures/jump_cost.png. Some minutes.
 
-python docs/make_jump.py [--first 5000] [--no-picture]
+python docs/make_jump.py [--first 6000] [--no-picture]
 
 `--first` is the first of twenty seeds of the table: take one that nothing was developed on.
 """
@@ -38,7 +38,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--first", type=int, default=5000)
+    parser.add_argument("--first", type=int, default=6000)
     parser.add_argument("--no-picture", action="store_true")
     wish = parser.parse_args()
     rows = [row(plant, wish.first) for plant in plants()]
