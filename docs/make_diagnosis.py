@@ -86,6 +86,23 @@ def figures() -> str:
     return table(["what", "asked", "found"], [line for line in lines if line[2]])
 
 
+def seeds() -> str:
+    """Which plants were tried: design, how many diagnoses, least and largest seed, and the code that made them"""
+    told: dict[str, list[Row]] = {}
+    for row in read(TRIALS):
+        told.setdefault(row.design, []).append(row)
+    rows = [
+        (
+            name,
+            len(own),
+            f"{min(r.trial.seed for r in own)} to {max(r.trial.seed for r in own)}",
+            ", ".join(sorted({r.code for r in own})),
+        )
+        for name, own in told.items()
+    ]
+    return table(["design", "diagnoses", "seeds", "hash of the code"], rows)
+
+
 def by_kind() -> str:
     """Intervals that hold the truth, parameter by parameter"""
     kinds: dict[str, list[bool]] = {}

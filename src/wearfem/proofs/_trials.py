@@ -79,6 +79,9 @@ def code() -> str:
     return sha256(b"".join(file.read_bytes() for file in sources)).hexdigest()[:8]
 
 
+CODE = code()  # what this process has loaded, whatever is edited meanwhile
+
+
 def measure(file: Path, asked: Sequence[Design], workers: int = 1) -> Iterator[Row]:
     """Trials that the file does not have yet, added to it as they come; those that it has are left as they are."""
     known = {(row.design, row.trial.plant, row.trial.seed) for row in read(file)}
@@ -106,7 +109,7 @@ def _one(design: Design, name: str, seed: int) -> Row:
         made = Trial(name, seed, (), "given", (), (), True, np.nan, np.nan, held)
     else:
         made = trial(name, seed, **design.make)
-    return Row(design.name, made, time.perf_counter() - begun, code())
+    return Row(design.name, made, time.perf_counter() - begun, CODE)
 
 
 def _cells(row: Row) -> list[object]:

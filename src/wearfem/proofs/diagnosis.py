@@ -215,7 +215,7 @@ def claims() -> Iterator[Claim]:
     inside = [
         held
         for name in module.SEPARABLE
-        for seed in range(6, 11)
+        for seed in range(6, 9)
         for _, held in intervals(name, seed, **SMALL)
     ]
     noise = float(np.sqrt(0.09 / len(inside)))

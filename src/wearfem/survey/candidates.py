@@ -291,7 +291,7 @@ def _patch(place: np.ndarray, first: float, last: float) -> Candidate:
     for centre in np.concatenate([place, centres]):
         away = np.linalg.norm(place - centre, axis=1)
         far = np.sort(away)
-        for nearer, further in zip(far[1 : max(3, len(place) // 3) + 1], far[2:], strict=False):
+        for nearer, further in zip(far[1 : max(3, len(place) // 3)], far[2:], strict=False):
             if further > nearer:
                 radius = 0.5 * float(nearer + further)
                 key = (away <= radius).tobytes()

@@ -113,10 +113,12 @@ def _undecided(found: Diagnosis) -> str:
     """Readings, kept back, that no other tells"""
     held = found.heldout
     points = tuple(dict.fromkeys(point for point, _ in held.undecided))
-    where = in_words([f"point {points[0]}", *points[1:]]) if len(points) <= 4 else f"{len(points)} points"
+    where = (
+        f"point{'s' * (len(points) > 1)} {in_words(points)}" if len(points) <= 4 else f"{len(points)} points"
+    )
     words = (
-        f"{len(held.undecided)} of these {held.readings}, at {where}, are told by the fitted ones no better than to the gauge's error, even if "
-        "the model is right"
+        f"{len(held.undecided)} of these {held.readings}, at {where}, are told by the fitted ones no better than to the gauge's error, "
+        "even if the model is right"
     )
     rest = held.decided_rmse
     return words if rest is None else f"{words}; error on the rest {rest:.3g} {found.survey.measured_unit}"
