@@ -3,6 +3,7 @@
 import pytest
 
 from wearfem.errors import UserError
+from wearfem.liner.mesher import gmsh_model
 
 
 @pytest.hookimpl(wrapper=True)
@@ -20,3 +21,10 @@ def pytest_runtest_call(item):
 def pytest_runtest_setup(item):
     """The same for its fixtures."""
     return (yield from pytest_runtest_call(item))
+
+
+@pytest.fixture
+def meshing():
+    """For tests whose other processes make meshes: skipped where gmsh cannot be loaded."""
+    with gmsh_model("probe", {}):
+        pass

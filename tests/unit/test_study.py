@@ -194,6 +194,7 @@ def test_without_dask_there_is_one_sentence(monkeypatch):
         pass
 
 
+@pytest.mark.usefixtures("meshing")
 def test_real_runs_end_as_they_do(tmp_path):
     """One ends well, one with a sentence, one is killed, one is interrupted and resumed by the next call."""
     folder = tmp_path / "tricky"
@@ -217,6 +218,7 @@ def test_real_runs_end_as_they_do(tmp_path):
     assert rows["once"].figures == rows["well"].figures  # resumed to the bit
 
 
+@pytest.mark.usefixtures("meshing")
 def test_a_dask_cluster_of_two_workers(tmp_path):
     distributed = pytest.importorskip("distributed")
     plan = tuple(SHORT | row for row in grid({"seed": (1, 2)}))
