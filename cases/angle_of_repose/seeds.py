@@ -1,4 +1,7 @@
-"""The six angles over several seeds of the feed, beside the published ones: `python cases/angle_of_repose/seeds.py --seeds 3`."""
+"""The six angles over several seeds of the feed, beside the published ones: `python cases/angle_of_repose/seeds.py --seeds 3`.
+
+Without `--set` they are those of the case as it is, and are kept in `seeds.json`, from which docs/print_pages.py takes them.
+"""
 
 import argparse
 import json
@@ -7,10 +10,12 @@ from pathlib import Path
 import numpy as np
 from scipy.stats import t as student
 
+from wearfem import __version__
 from wearfem.case import load_case
 from wearfem.run import run_stages
 from wearfem.settings import parse_settings
 
+RESULTS = Path(__file__).parent / "seeds.json"
 FREE = """\
 Free, because not printed: lengths of box and bin, height of the fall, width, times between the stages, how the angles were read.
 Changed: shear modulus (printed 65 GPa). Materials, friction, restitution, rolling friction, sizes and feed are as printed;
@@ -35,7 +40,25 @@ def three_angles(settings: dict) -> list:
 def verdict(ours: tuple[float, float], theirs: tuple[float, float]) -> str:
     """Whether two intervals meet."""
     apart = abs(ours[0] - theirs[0]) - theirs[1] - (ours[1] if ours[1] == ours[1] else 0.0)
-    return "meets" if apart <= 0.0 else f"outside by {apart:.1f}"
+    if apart <= 0.0:
+        return "meets"
+    return f"outside: {apart:.1f} {'below' if ours[0] < theirs[0] else 'above'}"
+
+
+def table(rows: list[dict] | None = None) -> str:
+    """The angles beside the published ones, of what is shipped or of `rows`; Markdown."""
+    lines = [
+        "| | experiment | their simulation | ours | against the experiment |",
+        "|---|---|---|---|---|",
+    ]
+    for row in rows or json.loads(RESULTS.read_text())["rows"]:
+        cells = [
+            f"{mean:.1f} +- {half:.1f}"
+            for mean, half in (row["published"], row["their_simulation"], row["ours"])
+        ]
+        told = verdict(row["ours"], row["published"])
+        lines.append(f"| experiment {row['experiment']}, phi {row['angle']} | {' | '.join([*cells, told])} |")
+    return "\n".join(lines)
 
 
 def main() -> None:
@@ -43,7 +66,6 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seeds", type=int, default=3, help="how many")
     parser.add_argument("--set", action="append", default=[], metavar="K=V", help="a keyword of the case")
-    parser.add_argument("--json", type=Path, metavar="FILE")
     given = parser.parse_args()
     settings, rows = parse_settings(given.set), []
     for experiment in (1, 2):
@@ -55,30 +77,18 @@ def main() -> None:
                 {
                     "experiment": experiment,
                     "angle": number + 1,
-                    "values": [figure.value for figure in figures],
+                    "ours": interval([figure.value for figure in figures]),
                     "published": [figures[0].expected, figures[0].tolerance],
                     "their_simulation": [
                         float(word) for word in figures[0].source.split("simulation ")[1].split(" +- ")
                     ],
                 }
             )
-    print(
-        "angle [degree]       experiment    their simulation  ours (95 % over seeds)  against experiment, simulation"
-    )
-    for row in rows:
-        ours, measured, simulated = (
-            interval(row["values"]),
-            tuple(row["published"]),
-            tuple(row["their_simulation"]),
-        )
-        print(
-            f"experiment {row['experiment']}, phi {row['angle']}  {measured[0]:5.1f} +- {measured[1]:.1f}  {simulated[0]:5.1f} +- "
-            f"{simulated[1]:.1f}      {ours[0]:5.1f} +- {ours[1]:.1f}           {verdict(ours, measured)}, {verdict(ours, simulated)}"
-        )
+    print(table(rows))
     print(FREE)
-    if given.json:
-        given.json.write_text(
-            json.dumps({"settings": settings, "seeds": given.seeds, "rows": rows}, indent=2)
+    if not settings:
+        RESULTS.write_text(
+            json.dumps({"version": __version__, "seeds": given.seeds, "rows": rows}, indent=1) + "\n"
         )
 
 

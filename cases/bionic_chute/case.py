@@ -23,6 +23,7 @@ from scipy.sparse import csr_array
 from wearfem.case import Figure, LifeCase, Stop, Window, find_case, parts_of
 from wearfem.cycle import Particles
 from wearfem.history import History
+from wearfem.liner.chute import facet_angle, share_between
 from wearfem.liner.convexes import (
     Convex,
     EmbossedStrip,
@@ -160,7 +161,9 @@ def case(
     liner = Liner(bent_shell(strip, chute.RADIUS, BEGIN, THICKNESS, name="chute"), chute.STEEL)
     before = ceil(chute.RADIUS * (chute.ZONE_2[0] - BEGIN) / pattern.tile[0]) if renewed else 0
     surface = wear_surface(liner)
-    zone_2 = chute.zone_share(surface, 2) * (chute.facet_angle(surface) < end)  # no more than was asked for
+    zone_2 = share_between(surface, *chute.ZONE_2) * (
+        facet_angle(surface) < end
+    )  # no more than was asked for
     where = Where(zone_2, strip.on_convex.astype(float), strip.height, stream.share)
     return LifeCase(
         name="bionic_chute",

@@ -118,22 +118,42 @@ def lost(found: list[Moment]) -> Lost:
     return Lost(weight @ rate, np.sqrt(weight**2 @ error**2), rate[0] * time, error[0] * time)
 
 
-def table(found: list[Moment], smooth: float) -> None:
-    """Print the saving against throughput, and what is lost with and without the change of the geometry."""
+def table() -> str:
+    """The saving against throughput, and what is lost with and without the change of the geometry; Markdown."""
+    found, smooth = read(), smooth_rate()
     so_far = lost(found)
-    print("upper half of zone 2, 90 % intervals over the blocks of a sample")
-    print(
-        "throughput  convexes left  matrix worn   wear saved [%]   lost so far [cm3]   with convexes kept as new [cm3]"
-    )
+    lines = [
+        "| throughput | convexes left | matrix worn | wear saved | lost so far | lost, convexes kept as new |",
+        "|---|---|---|---|---|---|",
+        "| kt | mm | mm | % | cm3 | cm3 |",
+    ]
     for k, one in enumerate(found):
         saved, half = (100.0 * (1.0 - one.rate / smooth), 100.0 * WIDE * one.error / smooth)
-        print(
-            f"{1e-6 * one.throughput:7.2f} kt  {1e3 * one.convex_height:8.3f} mm  {1e3 * one.matrix_worn:8.4f} mm   "
-            f"{saved:6.1f} +- {half:4.1f}   {1e6 * so_far.moving[k]:7.2f} +- {1e6 * WIDE * so_far.moving_error[k]:4.2f}     "
-            f"{1e6 * so_far.kept[k]:7.2f} +- {1e6 * WIDE * so_far.kept_error[k]:4.2f}"
+        lines.append(
+            f"| {1e-6 * one.throughput:.2f} | {1e3 * one.convex_height:.3f} | {1e3 * one.matrix_worn:.4f} | {saved:.1f} +- {half:.1f} "
+            f"| {_cm3(so_far.moving[k], so_far.moving_error[k])} | {_cm3(so_far.kept[k], so_far.kept_error[k])} |"
         )
-    end, hours = found[-1].service_time / hour, so_far.moving[-1] / found[0].rate / hour
-    print(f"what is lost in {end:.0f} h would take {hours:.0f} h if the convexes stayed as they were new")
+    return "\n".join(lines)
+
+
+def _cm3(volume: float, error: float) -> str:
+    """A volume [m3] with its 90 % interval from a standard error"""
+    return f"{1e6 * volume:.2f} +- {1e6 * WIDE * error:.2f}"
+
+
+def change_is_real() -> str:
+    """What is lost up to the end, with and without the change of the geometry; a sentence."""
+    found = read()
+    so_far, end = lost(found), found[-1]
+    moving, kept = (
+        _cm3(so_far.moving[-1], so_far.moving_error[-1]),
+        _cm3(so_far.kept[-1], so_far.kept_error[-1]),
+    )
+    hours = so_far.moving[-1] / found[0].rate / hour
+    return (
+        f"up to {1e-6 * end.throughput:.2f} kt zone 2's upper half lost {moving} cm3, with the convexes kept as new it would have "
+        f"lost {kept} cm3. What is lost in {end.service_time / hour:.0f} h would take {hours:.0f} h"
+    )
 
 
 def main() -> None:
@@ -156,7 +176,8 @@ def main() -> None:
         live(case if cycles_of(given.run) else filled(case), given.run, quiet=True)
     found = moments(case, given.run)
     RESULTS.write_text(json.dumps([asdict(one) for one in found], indent=1) + "\n")
-    table(found, smooth_rate())
+    print(table())
+    print(f"{change_is_real()}.")
 
 
 if __name__ == "__main__":

@@ -81,6 +81,26 @@ def saved(smooth: list[float], embossed: list[float]) -> tuple[float, float]:
     return 1.0 - low.mean() / high.mean(), float(student.ppf(0.95, len(low) - 1) * error / np.sqrt(len(low)))
 
 
+def table() -> str:
+    """All variants that have been run; Markdown."""
+    done = json.loads(RESULTS.read_text())
+    lines = [
+        "| | smooth | convexes | saved | normal force | slip speed |",
+        "|---|---|---|---|---|---|",
+        "| | 1e-10 m3/s | 1e-10 m3/s | % | - | - |",
+    ]
+    for name in VARIANTS:
+        if name in done:
+            smooth, embossed = done[name]
+            value, half = saved(smooth["wear"], embossed["wear"])
+            force, slip = (embossed[what][0] / smooth[what][0] for what in ("force", "slip"))
+            lines.append(
+                f"| {name} | {1e10 * np.mean(smooth['wear']):.3f} | {1e10 * np.mean(embossed['wear']):.3f} "
+                f"| {100 * value:.1f} +- {100 * half:.1f} | x {force:.2f} | x {slip:.2f} |"
+            )
+    return "\n".join(lines)
+
+
 def main() -> None:
     """Run what is missing, print what there is."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -93,15 +113,8 @@ def main() -> None:
             beside = RESULTS.with_suffix(".new")
             beside.write_text(json.dumps(done, indent=1) + "\n")
             os.replace(beside, RESULTS)
-        if name in done:
-            smooth, embossed = done[name]
-            value, half = saved(smooth["wear"], embossed["wear"])
-            force, slip = (embossed[what][0] / smooth[what][0] for what in ("force", "slip"))
-            print(
-                f"{name:44s} smooth {1e10 * np.mean(smooth['wear']):.3f}, convexes {1e10 * np.mean(embossed['wear']):.3f} e-10 m3/s; "
-                f"saved {100 * value:.1f} +- {100 * half:.1f} %: force x {force:.3f}, slip speed x {slip:.3f}",
-                flush=True,
-            )
+            print(f"{name}: done", flush=True)
+    print(table())
 
 
 if __name__ == "__main__":

@@ -20,6 +20,7 @@ from scipy.stats import t as student
 
 from wearfem import __version__
 from wearfem.case import Window, load_any_case, parts_of
+from wearfem.liner.chute import facet_angle
 from wearfem.liner.liner import wear_surface
 from wearfem.units import degree, mm
 from wearfem.wear.sampling import standard_error
@@ -94,7 +95,7 @@ def run(settings: dict[str, Any]) -> Run:
     case = load_any_case(FOLDER, {**keywords, "end": end})
     surface = wear_surface(case.liner)
     where = case.measure.where
-    upper = (PARTS.chute.facet_angle(surface) < MIDDLE).astype(float)
+    upper = (facet_angle(surface) < MIDDLE).astype(float)
     flow, _ = case.sampler.sample(case.flow, surface, Window(fill))
     flow, loads = case.sampler.sample(flow, surface, Window(measure, BLOCKS))
     area = loads.area * where.zone_2 * upper
@@ -148,7 +149,7 @@ class Saved:
     def __str__(self) -> str:
         """In per cent, with the number of seeds and where the interval comes from"""
         source = "seeds" if len(self.by_seed) > 2 else "blocks"
-        return f"{100 * self.mean:5.1f} +- {100 * self.half:4.1f} ({len(self.by_seed)}, {source})"
+        return f"{100 * self.mean:.1f} +- {100 * self.half:.1f} ({len(self.by_seed)}, {source})"
 
 
 def saved(runs: list[Run], span: str, **settings: Any) -> Saved | None:
@@ -170,25 +171,48 @@ def saved(runs: list[Run], span: str, **settings: Any) -> Saved | None:
     return Saved(tuple(1.0 - r / s for (r, _), (s, _) in both), float(np.linalg.norm(errors)) / len(both))
 
 
-def table(runs: list[Run]) -> None:
-    """Print the wear saved beside the printed figures."""
-    print("wear saved [%] with its 90 % interval (number of seeds, where the interval comes from)")
-    print(f"{'geometry':18s}  {'upper half of zone 2':26s}  {'zone 2':26s}  printed, zone 2")
+def table() -> str:
+    """The wear saved beside the printed figures, of what there is; Markdown."""
+    runs = read()
     rows = [("base, rhombi", {}, 30.7), ("base, rectangles", {"staggered": False}, 30.7)]
     for name, (letter, values, printed) in LEVELS.items():
         rows += [(f"{letter} = {level:g} mm", {name: level * mm}, printed.get(level)) for level in values]
+    lines = ["| | upper half of zone 2 | zone 2 | printed, zone 2 |", "|---|---|---|---|"]
     for name, settings, printed in rows:
-        both = "  ".join(f"{saved(runs, span, **settings) or ''!s:26s}" for span in SPANS)
-        print(f"{name:18s}  {both}  {printed or ''}")
-    base = [one for one in runs if {**one.settings, "seed": 0} == {**BASE, "span": "upper half", "seed": 0}]
-    if base:
-        area = base[0].convex_area
-        share = np.array([sum(one.on_convexes) / sum(one.upper) for one in base])
-        times = share / area * (1.0 - area) / (1.0 - share)
-        print(
-            f"base: convexes are {area:.1%} of the area and bear {share.mean():.1%} of the wear: {times.mean():.1f} times the depth rate "
-            f"of the rest ({times.min():.1f} to {times.max():.1f} over {len(base)} seeds)"
-        )
+        both = " | ".join(str(saved(runs, span, **settings) or "") for span in SPANS)
+        lines.append(f"| {name} | {both} | {printed or ''} |")
+    return "\n".join(lines)
+
+
+def base_case(runs: list[Run]) -> list[Run]:
+    """The base case on the upper half of zone 2, one run a seed."""
+    return [one for one in runs if {**one.settings, "seed": 0} == {**BASE, "span": "upper half", "seed": 0}]
+
+
+def shares() -> str:
+    """What convexes bear; a sentence."""
+    base = base_case(read())
+    area = base[0].convex_area
+    share = np.array([sum(one.on_convexes) / sum(one.upper) for one in base])
+    times = share / area * (1.0 - area) / (1.0 - share)
+    return (
+        f"convexes are {100 * area:.1f} % of the area and bear {100 * share.mean():.1f} % of the wear: "
+        f"{times.mean():.1f} times the depth rate of the rest ({times.min():.1f} to {times.max():.1f} over {len(base)} seeds)"
+    )
+
+
+def rhombi() -> str:
+    """Wear saved in the base case"""
+    return _per_cent(saved(read(), "upper half"))
+
+
+def rectangles() -> str:
+    """Wear saved in the base case, read as rectangles"""
+    return _per_cent(saved(read(), "upper half", staggered=False))
+
+
+def _per_cent(one: Saved | None) -> str:
+    return f"{100 * one.mean:.0f} %" if one else "not run"
 
 
 def main() -> None:
@@ -205,7 +229,8 @@ def main() -> None:
             one = run(settings)
             write([*read(), one])
             print(f"{settings}  {1e10 * one.rate:.3f}e-10 m3/s  {one.wall_time:.0f} s", flush=True)
-    table(read())
+    print(table())
+    print(f"In the base case {shares()}.")
 
 
 if __name__ == "__main__":

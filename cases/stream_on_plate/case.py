@@ -185,8 +185,8 @@ def figures(history: History, stream: Stream) -> tuple[Figure, ...]:
     deepest = int(np.argmax(history.depth[-1]))
     angle = np.degrees(np.arcsin(-facets_of(wear_surface(history.state.now.liner))[0] @ stream.flight))
     return (
-        Figure("end of life, at this rate", told.time / day, "d"),
-        Figure("its error at 90 %", told.error(1.645) / day, "d"),
+        Figure("end of life, at the last rate", told.time / day, "d"),
+        Figure("half of its 90 % interval", history.reports[-1].end_error(1.645) / day, "d"),
         Figure("deepest wear", 1e3 * history.depth[-1].max(), "mm"),
         Figure("rate there over that of the new plate", history.rate[-1, deepest] / history.rate[0, deepest], "-"),
         Figure("steepest angle of impact", float(angle.max()), "degree"),

@@ -12,13 +12,12 @@ of the jumps does to a whole life:
 """
 
 import argparse
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
-from wearfem.case import LifeCase, Window, load_any_case
+from wearfem.case import LifeCase, Window, load_any_case, parts_of
 from wearfem.convergence import converged
 from wearfem.dem.sample import sample
 from wearfem.liner.liner import Liner, wear_surface
@@ -52,16 +51,15 @@ def depth_rate(work: np.ndarray, merged: int, length: float) -> np.ndarray:
     """(b, f) [m/s] on facets of `merged` of the finest, evened out over `length` [m]"""
     case = load_any_case(CASE, ORE | {"mesh_size": FINEST})
     assert isinstance(case, LifeCase)
-    chute = sys.modules[case.measure.__module__]
+    chute = parts_of(CASE)
     width = case.settings["slice_width"]
     total = len(work[0]) // merged * merged
     summed = work[:, :total].reshape(len(work), -1, merged).sum(axis=2)
-    along = chute.RADIUS * (chute.ARC_END - chute.ARC_BEGIN) + chute.STRAIGHT
-    size = along / len(work[0]) * merged
+    size = chute.CHUTE.length / len(work[0]) * merged
     rate = chute.SPECIFIC_WEAR_RATE * summed / (size * width)
     if length == 0.0:
         return rate
-    surface = wear_surface(Liner(chute.strip(width, size), chute.STEEL))
+    surface = wear_surface(Liner(chute.CHUTE.slice(width, size), chute.STEEL))
     count = min(surface.facet_count, rate.shape[1])
     return HelmholtzFilter(surface, length)(
         np.pad(rate[:, :count], ((0, 0), (0, surface.facet_count - count)), "edge")

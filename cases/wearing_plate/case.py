@@ -143,9 +143,14 @@ def depth_at(law: str, time: Any, rate: float) -> Any:
 def figures(history: History, law: str, allowed: float, rate: float) -> tuple[Figure, ...]:
     told = history.life[-1]
     true = life(law, allowed, rate)
-    promised = told.error(1.645)
+    promised = history.reports[-1].end_error(1.645)
+    end = told.time / day
+    if history.ended == "end of life":
+        life_told = Figure("end of life", end, "d", true / day, "integral of 1/r over depth", promised / day)
+    else:
+        life_told = Figure("end of life, at the last rate", end, "d")
     return (
-        Figure("end of life", told.time / day, "d", true / day, "integral of 1/r over depth", promised / day),
+        life_told,
         Figure("promised at 90 %", promised / day, "d"),
         Figure("cycles", len(history.reports), "-"),
         Figure("samples rejected", history.rejected, "-"),
@@ -227,7 +232,7 @@ def particle_figures(history: History, balls: Balls) -> tuple[Figure, ...]:
             0.1 * balls.expected(),
         ),
         Figure("end of life", told.time / day, "d"),
-        Figure("promised at 90 %", told.error(1.645) / day, "d"),
+        Figure("promised at 90 %", history.reports[-1].end_error(1.645) / day, "d"),
         Figure("cycles", len(history.reports), "-"),
         Figure("flow sampled", history.simulated, "s"),
     )  # fmt: skip

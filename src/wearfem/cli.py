@@ -9,7 +9,7 @@ from typing import Any, NoReturn
 import click
 
 from wearfem import __version__
-from wearfem.errors import UserError
+from wearfem.errors import UserError, in_words
 
 settings_option = click.option(
     "--set",
@@ -24,7 +24,15 @@ json_option = click.option(
 case_argument = click.argument("case", type=Path)
 
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+class InOrder(click.Group):
+    """Commands in the order in which they are written, which is that of their use."""
+
+    def list_commands(self, context: click.Context) -> list[str]:
+        """Their names."""
+        return list(self.commands)
+
+
+@click.group(cls=InOrder, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
 @click.version_option(__version__, message="wearfem %(version)s")
 def wearfem() -> None:
     """How a liner wears under a flow of particles, and how long it will last.
@@ -33,7 +41,7 @@ def wearfem() -> None:
     """
 
 
-@wearfem.command()
+@wearfem.command(short_help="Run a case: a flow, or the whole life of a liner.")
 @case_argument
 @settings_option
 @click.option("--out", type=Path, metavar="DIR", help="The run folder to make; runs/<case> if not given.")
@@ -47,7 +55,7 @@ def run(case: Path, settings: tuple[str, ...], out: Path | None, json_file: Path
     run_case(case, parse_settings(settings), out, json_file, quiet)
 
 
-@wearfem.command()
+@wearfem.command(short_help="Go on with a life that was stopped or killed.")
 @click.argument("run", type=Path)
 @json_option
 @click.option("--quiet", is_flag=True, help="Show no progress.")
@@ -58,7 +66,7 @@ def resume(run: Path, json_file: Path | None, quiet: bool) -> None:
     resume_run(run, json_file, quiet)
 
 
-@wearfem.command()
+@wearfem.command(short_help="Before a run: time step, mesh, memory, time.")
 @case_argument
 @settings_option
 @json_option
@@ -70,7 +78,7 @@ def check(case: Path, settings: tuple[str, ...], json_file: Path | None) -> None
     check_case(case, parse_settings(settings), json_file)
 
 
-@wearfem.command()
+@wearfem.command(short_help="Run a case over values of its keywords.")
 @case_argument
 @click.argument("values", nargs=-1, required=True, metavar="KEYWORD=VALUES...")
 @click.option(
@@ -180,7 +188,7 @@ def forecast_options(command: Callable[..., None]) -> Callable[..., None]:
     return command
 
 
-@wearfem.command()
+@wearfem.command(short_help="How long a run or the liner of a survey will last.")
 @click.argument("path", type=Path)
 @forecast_options
 @progress_option
@@ -207,12 +215,19 @@ def forecast(
 
         forecast_survey(path, asked, progress, exposure, run_folder, out, json_file)
         return
+    if beside := [
+        name for name, given in (("progress", progress), ("exposure", exposure), ("run", run_folder)) if given
+    ]:
+        words = in_words([f"--{name}" for name in beside])
+        raise UserError(
+            f"{path} is taken for the folder of a run, and {words} is for surveys; give a survey that ends in .csv"
+        )
     from wearfem.foretell import asked_for, forecast_run
 
     forecast_run(path, asked_for(**asked), out, json_file)
 
 
-@wearfem.command()
+@wearfem.command(short_help="One page on a life, for the planner of maintenance.")
 @click.argument("run", type=Path)
 @click.option("--out", type=Path, metavar="FILE", help="The page to write; report.html in RUN if not given.")
 @forecast_options
@@ -225,7 +240,7 @@ def report(run: Path, out: Path | None, json_file: Path | None, **asked: Any) ->
     write_report(run, out, json_file, asked_for(**asked))
 
 
-@wearfem.command()
+@wearfem.command(short_help="Prove on this machine what is claimed.")
 @click.argument("names", nargs=-1)
 @json_option
 def verify(names: tuple[str, ...], json_file: Path | None) -> int:
@@ -235,7 +250,7 @@ def verify(names: tuple[str, ...], json_file: Path | None) -> int:
     return 0 if verify(names, json_file) else 1
 
 
-@wearfem.command()
+@wearfem.command(short_help="Measure the speed on this machine.")
 @click.argument("names", nargs=-1)
 @json_option
 @click.option("--quick", is_flag=True, help="One short round; the two small benchmarks if none is named.")
@@ -246,7 +261,7 @@ def bench(names: tuple[str, ...], json_file: Path | None, quick: bool) -> None:
     bench(names, json_file, quick)
 
 
-@wearfem.command()
+@wearfem.command(short_help="The coefficient of wear from a survey.")
 @survey_argument
 @progress_option
 @exposure_option
@@ -261,7 +276,7 @@ def calibrate(
     calibrate_survey(survey, progress, exposure, run_folder, json_file)
 
 
-@wearfem.command()
+@wearfem.command(short_help="What a survey says that the model lacks.")
 @survey_argument
 @progress_option
 @exposure_option
@@ -290,7 +305,7 @@ def diagnose(
     diagnose_survey(survey, progress, exposure, run_folder, out, json_file, limit, next_stop)
 
 
-@wearfem.command()
+@wearfem.command(short_help="Put what it lacks into the case, and run again.")
 @survey_argument
 @click.option(
     "--run",

@@ -124,6 +124,12 @@ class CycleReport:
     strain: Strain | None
     event: str  # what happened to the mesh, in words
 
+    def end_error(self, deviations: float) -> float:
+        """[s] that the end of life may be off by if the rate stays: bias of jumps, noise so far, and of this rate over what is left."""
+        left, place = max(self.life.time - self.service_time, 0.0), self.life.facet
+        unsure = self.error[place] / self.rate[place] if self.kept and self.rate[place] > 0.0 else 0.0
+        return abs(self.life.bias) + deviations * float(np.hypot(self.life.noise, left * unsure))
+
 
 def first_state(case: LifeCase) -> State:
     """Before the first cycle."""
@@ -212,7 +218,8 @@ def sample_rate(
         start = max(steady_from(rate @ surface.facet_area), known)
         steady = len(rate) - start
         if steady >= LEAST:
-            sample = Sample(state.now.liner.service_time, rate[start:].copy(), block, start * block)
+            time, shape = state.now.liner.service_time, state.now.receded
+            sample = Sample(time, rate[start:].copy(), block, start * block, shape)
             if steady >= least and not earlier:
                 jump = choose_jump((sample,), state.now.receded, goal, bounds)
                 if jump.limited_by == "noise":
@@ -327,10 +334,11 @@ def worn_to(
     left = thickness(liner.mesh)
     spare = left - limit
     if not (spare > 0.0).all():
-        thin = int(np.argmin(spare))
+        thin, given = int(np.argmin(spare)), float(np.max(limit))
+        hint = f" ({given:g} without a unit is metres: {given:g}*mm is meant?)" if given >= 1.0 else ""
         raise UserError(
             f"{liner.mesh.name} is worn out from the beginning: facet {thin} is {1e3 * left[thin]:.4g} mm thick, the limit is "
-            f"{1e3 * np.broadcast_to(limit, left.shape)[thin]:.4g} mm; give a limit below the present thickness"
+            f"{1e3 * np.broadcast_to(limit, left.shape)[thin]:.4g} mm; give a limit below the present thickness{hint}"
         )
     return Goal(spare, wear_surface(liner).facet_area, tolerance, confidence)
 
@@ -448,8 +456,13 @@ def _on_other_facets(worn: Worn, liner: Liner, carried: Callable[[np.ndarray], n
         liner=liner,
         receded=carried(worn.receded),
         allowed_depth=_inverse(carried(_inverse(worn.allowed_depth))),
-        samples=tuple(replace(sample, rate=carried(sample.rate)) for sample in worn.samples),
+        samples=tuple(_carried(sample, carried) for sample in worn.samples),
     )
+
+
+def _carried(sample: Sample, carried: Callable[[np.ndarray], np.ndarray]) -> Sample:
+    depth = None if sample.depth is None else carried(sample.depth)
+    return replace(sample, rate=carried(sample.rate), depth=depth)
 
 
 def _inverse(length: np.ndarray) -> np.ndarray:

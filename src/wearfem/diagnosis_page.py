@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -23,8 +22,9 @@ from wearfem.diagnosis_drawings import (
     unit_words,
 )
 from wearfem.errors import in_words
+from wearfem.page import rendered
 from wearfem.record import file_hash, now, this_machine, whole_file
-from wearfem.survey.backtest import NAMES, BackTest
+from wearfem.survey.backtest import NAMES, BackTest, advised
 from wearfem.survey.choose import Choice
 from wearfem.survey.columns import Column, column, read_table
 from wearfem.survey.diagnose import NOISE_LEVEL, Diagnosis
@@ -32,6 +32,7 @@ from wearfem.survey.forecast import DRAWS, SHARE, End, Forecast, Outlook
 from wearfem.survey.survey import KNOWN_AS
 from wearfem.survey.words import (
     VERDICT,
+    advice_words,
     effect_words,
     end_words,
     first_points,
@@ -80,18 +81,9 @@ def write_page(
 
 def compose(found: Diagnosis, ahead: Forecast, tested: BackTest, read: Sequence[Path], seed: int = 0) -> str:
     """The page as text."""
-    from jinja2 import Environment, StrictUndefined
-
-    survey, choice = found.survey, found.choice
+    survey, choice, advice = found.survey, found.choice, advised(ahead, tested)
     unit = unit_words(survey.measured_unit)
     columns = columns_of(read)
-    source = files("wearfem") / "page"
-    environment = Environment(
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    environment.filters |= {
-        "error": lambda value: "none held out" if value is None else f"{value:.3g} {unit}"
-    }
     panels = left_over(found)
     gauge = found.noise_floor
     carried = {test.quantity: test for test in found.tests_before}
@@ -101,8 +93,9 @@ def compose(found: Diagnosis, ahead: Forecast, tested: BackTest, read: Sequence[
     position = choice.plain.readings.survey.feature.get("position")
     flat = position is not None and np.ptp(position[:, 0]) > 0.0 and np.ptp(position[:, 1]) > 0.0
     fitted = choice.best
-    return environment.from_string((source / "diagnosis.html").read_text(encoding="utf-8")).render(
-        style=(source / "page.css").read_text(encoding="utf-8"),
+    return rendered(
+        "diagnosis.html",
+        {"error": lambda value: "none held out" if value is None else f"{value:.3g} {unit}"},
         found=found,
         survey=survey,
         unit=unit,
@@ -130,7 +123,9 @@ def compose(found: Diagnosis, ahead: Forecast, tested: BackTest, read: Sequence[
         nuisances=_nuisances(found, unit),
         ahead=ahead,
         limit=limit_words(ahead),
-        places=places_of(ahead),
+        places=places_of(ahead, advice.outlook),
+        advice=advice,
+        advice_words=advice_words(ahead, tested),
         hidden=max(0, len(set(ahead.places)) - MOST_ROWS),
         ahead_pictures=[(p, draw_ahead(ahead, fitted, p)) for p in shortest_lived(ahead, MOST_POINTS)],
         share=f"{SHARE:.0%}",
@@ -148,15 +143,17 @@ def compose(found: Diagnosis, ahead: Forecast, tested: BackTest, read: Sequence[
 
 @dataclass(frozen=True)
 class Place:
-    """A row of the forecast: a zone or a point, when it is worn out by each model, and how surely it lasts to the next stop."""
+    """A row of the forecast: a zone or a point, when it is worn out by the forecast to plan by and by each model, and how surely it lasts
+    to the next stop."""
 
     kind: str
     name: str
+    end: str
     ends: tuple[str, ...]
     reaches: str
 
 
-def places_of(ahead: Forecast) -> list[Place]:
+def places_of(ahead: Forecast, advised: Outlook) -> list[Place]:
     """All zones, then the points that come to the limit first; none where no limit was given."""
     if ahead.limit is None:
         return []
@@ -166,9 +163,10 @@ def places_of(ahead: Forecast) -> list[Place]:
     rows += [(point, name, ahead.of_place) for name in first_points(ahead)[:MOST_ROWS]]
     found = []
     for kind, name, of in rows:
-        ends = [of(outlook, name) for outlook in ahead.outlooks]
-        reaches = "" if ends[-1].reaches is None else f"{100.0 * ends[-1].reaches:.0f} %"
-        found.append(Place(kind, name, tuple(end_words(end, ahead) for end in ends), reaches))
+        first = of(advised, name)
+        reaches = "" if first.reaches is None else f"{100.0 * first.reaches:.0f} %"
+        ends = tuple(end_words(of(outlook, name), ahead) for outlook in ahead.outlooks)
+        found.append(Place(kind, name, end_words(first, ahead), ends, reaches))
     return found
 
 

@@ -12,13 +12,13 @@ import numpy as np
 from wearfem.case import LifeCase
 from wearfem.errors import UserError
 from wearfem.history import History
-from wearfem.liner.liner import wear_surface
+from wearfem.known import KnownEffects, PlainDepth
 from wearfem.report_facts import corrected_thickness, lag_of, zones_of
-from wearfem.wear.smooth import HelmholtzFilter
-from wearfem.wear.trend import COARSE, EXACT, FINE, Draws, Noise, ratio_courses, zone_courses
+from wearfem.wear.trend import COARSE, EXACT, Draws, Noise, ratio_courses, zone_courses
 
 DRAWS = 1000
 MOST = 300  # facets of a zone that may be the first to fail
+CALENDAR = 200  # parts of two lives in which calendars are told
 LATE = 2.0  # lives of the shortest-lived facet, after which no other is the first to fail
 QUANTILES = (0.1, 0.5, 0.9)
 WHOLE = "whole worn face"
@@ -123,7 +123,7 @@ def forecast(
     if stress_limit is None and case is not None and case.structure is not None:
         yields = case.structure.yield_stress
         stress_limit = yields if np.isfinite(yields) and len(history.samples) >= FEWEST_STRESSES else None
-    found = []
+    found, effects = [], known_effects(history, case)
     for name, facet in zones(history).items():
         ways = [(words, allowed, np.zeros(draws)) for words, allowed in until.items()]
         if stress_limit is not None:
@@ -133,7 +133,7 @@ def forecast(
             judged = facet[known_facet & (history.rate[:, facet] > 0.0).all(axis=0)]
             if len(judged):
                 course = _Zone.of(
-                    history, judged, allowed[judged], case, np.random.default_rng([seed, 1]), draws
+                    history, judged, allowed[judged], effects, np.random.default_rng([seed, 1]), draws
                 )
                 found.append(_zone_life(history, name, words, course, shift, doubt))
     if not found:
@@ -286,14 +286,18 @@ def _shortest(depth: np.ndarray, rate: np.ndarray) -> float:
 
 @dataclass(frozen=True)
 class _Zone:
-    """The facets of a zone that may fail first, and how their rates may go on."""
+    """The facets of a zone that may fail first, and how their rates may go on: in plain depths and times, which know no effects."""
 
-    scale: float  # [m] mean depth at which the zone is about worn out
+    scale: float  # [m] mean plain depth at which the zone is about worn out
     common: Draws  # of ln r, (d, g, 1)
     ratio: Draws  # of ln q, (d, g, k)
     allowed: np.ndarray  # (k,) [m]
     depth: np.ndarray  # (n, k) [m] by which the shapes had receded that were sampled
     rate: np.ndarray  # (n, k) [m/s]
+    plain: PlainDepth
+    calendar: tuple[
+        np.ndarray, np.ndarray
+    ]  # (m,) [s] plain times, and those of service since the first sample
 
     @classmethod
     def of(
@@ -301,45 +305,62 @@ class _Zone:
         history: History,
         facet: np.ndarray,
         allowed: np.ndarray,
-        case: LifeCase | None,
+        effects: KnownEffects | None,
         random: np.random.Generator,
         draws: int,
     ) -> "_Zone":
         """From the samples of a run."""
         window = history.window
         share = window / window.sum()
-        mean = share @ history.rate[:, facet]
-        first = np.argsort(allowed / mean)[:MOST]
-        first = first[(allowed / mean)[first] <= LATE * (allowed / mean).min()]
-        facet, allowed, mean = facet[first], allowed[first], mean[first]
-        rate, depth = history.rate[:, facet], (history.depth - lag_of(history))[:, facet]
+        depth = history.depth - lag_of(history)
         depth = depth - depth[0]
-        error = np.sqrt(share**2 @ np.square(history.error[:, facet])) / mean
+        everywhere = share @ history.rate
+        life = float((allowed / everywhere[facet]).min())
+        facets = history.rate.shape[1]
+        plain = (effects.by_depth(LATE * life * everywhere) if effects else PlainDepth.same(facets)).of(facet)
+        served = history.service_time - history.service_time[0]
+        later = LATE * life * np.linspace(0.0, 1.0, CALENDAR + 1)
+        middle = history.service_time[0] + 0.5 * (later[1:] + later[:-1])
+        seasons = effects.in_time(middle)[:, facet] if effects else np.ones((CALENDAR, len(facet)))
+        season = seasons[np.clip(np.searchsorted(later, served, side="right") - 1, 0, CALENDAR - 1)]
+
+        factor = effects.at(depth)[:, facet] if effects else np.ones((len(depth), len(facet)))
+        rate, depth = history.rate[:, facet], depth[:, facet]
+        mean, spare = share @ (rate / factor), plain.without(allowed)
+        first = np.argsort(spare / mean)[:MOST]
+        first = first[(spare / mean)[first] <= LATE * (spare / mean).min()]
+        facet, allowed, spare, mean, plain = (
+            facet[first],
+            allowed[first],
+            spare[first],
+            mean[first],
+            plain.of(first),
+        )
+        rate, depth, factor = rate[:, first], depth[:, first], factor[:, first]
+        season, seasons = season[:, first], seasons[:, first]
+
+        error = np.sqrt(share**2 @ np.square(history.error[:, facet] / factor)) / mean
         weight = 1.0 / np.maximum(error, EXACT) ** 2
         weight /= weight.sum()
-        noise = Noise.seen_in(history.samples, facet, weight)
+        samples = [
+            replace(one, rate=one.rate[:, facet] / by)
+            for one, by in zip(history.samples, factor, strict=True)
+        ]
+        noise = Noise.seen_in(samples, np.arange(len(facet)), weight)
 
-        zone, scale = rate @ weight, float((allowed / mean).min() * (mean @ weight))
-        u = depth @ weight / scale
-        at = np.concatenate([FINE, u])
-        ahead = np.minimum(scale * at[:, None] * mean / (mean @ weight), allowed)
-        change = np.log(effects_ahead(case, history, facet, ahead, scale * at / (mean @ weight)))
-        together = np.log(np.exp(change) @ (weight * mean) / (weight @ mean))  # (g + n,)
-        apart = change - together[:, None]  # (g + n, k)
-        grid, sampled = slice(len(FINE)), slice(len(FINE), None)
-        value = np.log(zone) - together[sampled]
-        common = zone_courses(u, value, noise.zone / window, noise.freedom, random, draws)
-        value = np.log(rate / zone[:, None]) - apart[sampled]
+        together, all_together = (some @ (weight * mean) / (weight @ mean) for some in (season, seasons))
+        calendar = np.append(0.0, np.cumsum(all_together * np.diff(later)))
+        without = rate / factor
+        zone, scale = without @ weight / together, float((spare / mean).min() * (mean @ weight))
+        u = plain.without(depth) @ weight / scale
+        common = zone_courses(u, np.log(zone), noise.zone / window, noise.freedom, random, draws)
+        value = np.log(without / (without @ weight)[:, None]) - np.log(season / together[:, None])
         place = _centres(history)[facet] / np.sqrt(history.area[facet].mean())
         ratio = ratio_courses(u, value, window, noise.ratio, place, random, draws)
-        return cls(
-            scale,
-            replace(common, mean=common.mean + together[grid, None]),
-            replace(ratio, mean=ratio.mean + apart[grid][:: len(FINE) // (len(COARSE) - 1)]),
-            allowed,
-            depth,
-            rate,
-        )
+        when = np.searchsorted(calendar, scale * COARSE / (mean @ weight), side="right") - 1
+        apart = np.log(seasons / all_together[:, None])[np.clip(when, 0, CALENDAR - 1)]
+        ratio = replace(ratio, mean=ratio.mean + apart)
+        return cls(scale, common, ratio, allowed, depth, rate, plain, (calendar, later))
 
     def lives(self, shift: np.ndarray, *, unseen: bool = False, noise: bool = False) -> np.ndarray:
         """(d,) [s] from the first sample to the end of the first facet, with or without each source of doubt.
@@ -348,54 +369,27 @@ class _Zone:
         """
         common = self.common.value(unseen=unseen, noise=noise)[:, :, 0]
         ratio = self.ratio.value(unseen=unseen, noise=noise)
-        allowed = np.maximum(self.allowed + shift[:, None], 1e-3 * self.allowed)[:, None, :]
-        worn = self.scale * _integral(np.exp(ratio), self.ratio.at) / allowed  # (d, g, k)
+        spare = self.plain.without(np.maximum(self.allowed + shift[:, None], 1e-3 * self.allowed))
+        worn = self.scale * _integral(np.exp(ratio), self.ratio.at) / spare[:, None, :]  # (d, g, k)
         end = _crossing(worn.max(axis=2), self.ratio.at)
-        return self.scale * _value_at(end, _integral(np.exp(-common), self.common.at), self.common.at)
+        plain_time = self.scale * _value_at(end, _integral(np.exp(-common), self.common.at), self.common.at)
+        told, later = self.calendar
+        beyond = np.maximum(plain_time - told[-1], 0.0) * (later[-1] - later[-2]) / (told[-1] - told[-2])
+        return np.interp(plain_time, told, later) + beyond
 
 
-def effects_ahead(
-    case: LifeCase | None, history: History, facet: np.ndarray, depth: np.ndarray, time: np.ndarray
-) -> np.ndarray:
-    """(g, k) [-] by which the effects of a case multiply the rates of facets, under the loads of the last sample.
-
-    Parameters
-    ----------
-    case
-        With the law and the effects; 1 without it, and where the mesh has changed since the last sample.
-    history
-        Of its run.
-    facet
-        (k,) of the worn face.
-    depth, time
-        (g, k) [m] and (g,) [s] since the first sample.
-    """
+def known_effects(history: History, case: LifeCase | None) -> KnownEffects | None:
+    """What the case knows of the rates to come, under the loads of the last sample; nothing where the mesh has changed since."""
     loads = [report.loads for report in history.reports if report.kept][-1]
-    now = history.state.now.liner
-    if case is None or not case.effects or len(loads.area) != len(now.depth):
-        return np.ones_like(depth)
-    start, begun = history.reports[0], np.zeros(len(now.depth))
-    begun[:] = history.depth[0]
-    law = case.wear_law.depth_rate(loads, now)
-    surface = wear_surface(now)
-    smooth = HelmholtzFilter(surface, case.smoothing_length) if case.smoothing_length > 0.0 else None
-    plain = (smooth(law) if smooth else law)[0, facet]
-    rows = np.ones_like(depth)
-    for row, worn, served in zip(rows, depth, time, strict=True):
-        gone = begun.copy()
-        gone[facet] += worn
-        liner = replace(
-            now,
-            depth=gone,
-            service_time=start.service_time + served,
-            throughput=start.throughput + served * case.throughput_rate,
-        )
-        rate = law
-        for effect in case.effects:
-            rate = effect.modify(rate, loads, liner)
-        with_effects = (smooth(rate) if smooth else rate)[0, facet]
-        np.divide(with_effects, plain, out=row, where=(plain > 0.0) & (with_effects > 0.0))
-    return rows
+    now = history.state.kept.liner if history.state.kept else history.state.now.liner
+    if case is None or not case.effects or not len(loads.area) == len(now.depth) == len(history.area):
+        return None
+    return KnownEffects(
+        case,
+        now,
+        loads,
+        history.state.now.receded if history.state.kept is None else history.state.kept.receded,
+    )
 
 
 def _integral(value: np.ndarray, at: np.ndarray) -> np.ndarray:

@@ -19,6 +19,7 @@ from wearfem.life import words
 from wearfem.record import read_manifest, require_writable, write_json
 from wearfem.report_facts import case_of_run, throughput_at
 from wearfem.settings import did_you_mean, parse_value
+from wearfem.sharpness import Sharpness, of_whole_face
 from wearfem.units import day, tonne
 
 UNITS = {
@@ -58,6 +59,7 @@ class Foretold:
     at_stop: float | None  # [currency/s] with a change at the next stop
     tonnes: float  # [t/s] throughput of the run; not a number where it counts none
     frozen_run: float | None  # [s] end of life of a run with frozen geometry
+    sharpness: Sharpness | None = None  # what smoothing took off the deepest rate
 
     def per_tonne(self, rate: float) -> float:
         """[currency/t], or [currency/h] where the run counts no throughput, of a cost [currency/s]"""
@@ -151,6 +153,7 @@ def foretell_history(history: History, case: LifeCase | None, asked: Asked) -> F
         at_stop=float(costs(life, prices, [stop]).rate[0]) if prices and stop is not None else None,
         tonnes=float(tonnes),
         frozen_run=_end_of_frozen(asked.frozen) if asked.frozen else None,
+        sharpness=of_whole_face(history, case),
     )
 
 
@@ -279,6 +282,8 @@ def forecast_lines(found: Foretold) -> Iterable[str]:
     first = told.zone[0]
     yield ""
     yield f"what the width of the first line comes from: {shares(first.share)}"
+    if found.sharpness:
+        yield found.sharpness.words(first.quantile[1])
     if told.left_out:
         yield f"not included, since not given: {in_words(list(told.left_out))}"
     yield "straight line: the depth so far over the time so far. frozen geometry: the rates of the new liner, kept"
@@ -387,6 +392,14 @@ def forecast_values(found: Foretold) -> dict[str, Any]:
         "next_stop_d": None if found.next_stop is None else found.next_stop / day,
         "frozen_run_d": None if found.frozen_run is None else found.frozen_run / day,
         "not_included": list(told.left_out),
+        "smoothing": None
+        if found.sharpness is None
+        else {
+            "length_m": found.sharpness.length,
+            "shorter_m": found.sharpness.over,
+            "life_over_told": found.sharpness.kept,
+            "standard_error": found.sharpness.error,
+        },
         "zones": zones,
     }
     if found.costs:

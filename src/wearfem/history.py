@@ -24,8 +24,8 @@ from wearfem.liner.breakthrough import thickness
 from wearfem.liner.liner import Liner, wear_surface
 from wearfem.record import hdf5_file, write_json, write_surface
 from wearfem.values import read_value, write_value
-from wearfem.wear.jump import Jump, Life, corrected_depth
-from wearfem.wear.sampling import Sample
+from wearfem.wear.jump import Jump, Life
+from wearfem.wear.sampling import Sample, corrected_depth
 
 CYCLES, SAMPLES, SERIES = "cycles", "samples", "surface.vtkhdf.series"
 
@@ -256,6 +256,8 @@ def _write_sample(place: Path, sample: Sample) -> None:
 def _mark(sample: Sample) -> str:
     digest = sha256(np.ascontiguousarray(sample.rate).tobytes())
     digest.update(repr((sample.rate.shape, sample.service_time, sample.block, sample.warm_up)).encode())
+    if sample.depth is not None:
+        digest.update(np.ascontiguousarray(sample.depth).tobytes())
     return digest.hexdigest()[:24]
 
 

@@ -8,8 +8,6 @@ from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
 
-import numpy as np
-
 from wearfem.case import LifeCase
 from wearfem.cycle import CycleReport, State, cycle, first_state
 from wearfem.history import (
@@ -22,6 +20,7 @@ from wearfem.history import (
     write_series,
 )
 from wearfem.progress import clock, progress
+from wearfem.sharpness import of_whole_face
 from wearfem.units import day, hour, minute, tonne
 
 
@@ -42,7 +41,10 @@ def live(case: LifeCase, run: Path, quiet: bool = False) -> History:
                 print(f"stopped after cycle {state.cycle}; go on with: wearfem resume {run}", flush=True)
                 raise KeyboardInterrupt
     print(f"ended: {state.ended}", flush=True)
-    return read_history(run)
+    history = read_history(run)
+    if sharp := of_whole_face(history, case):
+        print(sharp.words(history.life[-1].time), flush=True)
+    return history
 
 
 def _one(
@@ -74,17 +76,15 @@ def line(report: CycleReport, case: LifeCase, elapsed: float, state: State, resu
     """
     jump, life = report.jump, report.life
     left = life.time - report.service_time
-    unsure = _over(report.error, report.rate)[life.facet] if report.kept else 0.0
-    noise = np.hypot(life.noise, max(left, 0.0) * unsure)
-    interval = abs(life.bias) + case.goal.deviations * noise
+    interval = report.end_error(case.goal.deviations)
     parts = [
         f"cycle {report.cycle:3d}",
         f"{words(report.service_time)} served",
-        f"{report.throughput / tonne:.4g} t",
+        f"{report.throughput / tonne:,.0f} t",
         f"deepest {1e3 * report.depth.max():.4g} mm",
         f"{1e6 * report.worn_volume:.4g} cm3",
         f"jump {words(report.taken * jump.duration)} ({'end' if state.ended else jump.limited_by})",
-        f"end of life at {words(life.time)} +- {words(interval)} ({case.goal.confidence:.0%}, at this rate)",
+        f"end of life at {words(life.time, interval)} ({case.goal.confidence:.0%}, at this rate)",
     ]
     if report.strain is not None:
         parts.append(f"von Mises {1e-6 * report.strain.largest_von_mises:.4g} MPa")
@@ -98,16 +98,19 @@ def line(report: CycleReport, case: LifeCase, elapsed: float, state: State, resu
     return ", ".join(parts)
 
 
-def _over(part: np.ndarray, whole: np.ndarray) -> np.ndarray:
-    return np.divide(part, whole, out=np.zeros_like(part), where=whole > 0.0)
-
-
-def words(seconds: float) -> str:
-    """A service time as people say it: `41.2 d`, `3.5 h`, `12 min`, `4 s`."""
-    for unit, name in ((day, "d"), (hour, "h"), (minute, "min")):
-        if abs(seconds) >= 2.0 * unit:
-            return f"{seconds / unit:.4g} {name}"
-    return f"{seconds:.3g} s"
+def words(seconds: float, interval: float | None = None) -> str:
+    """A service time as people say it, with its interval in the same unit: `41.2 d`, `3.5 h`, `12 min`, `4 s`, `68.9 +- 1.5 d`."""
+    unit, name = next(
+        (
+            (one, name)
+            for one, name in ((day, "d"), (hour, "h"), (minute, "min"))
+            if abs(seconds) >= 2.0 * one
+        ),
+        (1.0, "s"),
+    )
+    if interval is not None:
+        return f"{seconds / unit:.4g} +- {interval / unit:.2g} {name}"
+    return f"{seconds / unit:.{4 if name != 's' else 3}g} {name}"
 
 
 @contextmanager

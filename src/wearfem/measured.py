@@ -69,11 +69,12 @@ def diagnose_survey(
     found = diagnose(read)
     print("\n".join(diagnosis_lines(found)), flush=True)
     ahead = forecast(found.choice, *asked)
+    tested = back_test(read) if limit or out else BackTest(())
     if limit:
-        print("\n".join(forecast_lines(ahead)), flush=True)
-    if out:
-        tested = back_test(read)
+        print("\n".join(forecast_lines(ahead, tested)), flush=True)
+    if limit or out:
         print("\n".join(back_test_lines(tested, read)))
+    if out:
         write_json(out / "forecast.json", _told(ahead, tested, read))
         write_page(out / PAGE, found, ahead, tested, [file for file in (survey, exposure) if file])
         print(f"wrote {out / PAGE} and {out / 'forecast.json'}")
@@ -117,14 +118,12 @@ def forecast_survey(
     limit, next_stop = limit_of(asked["limit"], read), stop_of(asked["next_stop"], read)
     found = diagnose(read, name_without=False)
     ahead = forecast(found.choice, limit, next_stop)
-    lines = forecast_lines(ahead)
-    print("\n".join(lines), flush=True)
     tested = back_test(read)
-    more = back_test_lines(tested, read)
-    print("\n".join(more))
+    lines = [*forecast_lines(ahead, tested), *back_test_lines(tested, read)]
+    print("\n".join(lines))
     if out:
         with whole_file(out) as temporary:
-            temporary.write_text("\n".join([*lines, *more, ""]), encoding="utf-8")
+            temporary.write_text("\n".join([*lines, ""]), encoding="utf-8")
     if json_file:
         write_json(json_file, _told(ahead, tested, read))
     for file in filter(None, (out, json_file)):
@@ -132,7 +131,7 @@ def forecast_survey(
 
 
 def _told(ahead: Forecast, tested: BackTest, survey: Survey) -> dict[str, Any]:
-    return {"forecast": forecast_values(ahead), "back_test": back_test_values(tested, survey)}
+    return {"forecast": forecast_values(ahead, tested), "back_test": back_test_values(tested, survey)}
 
 
 def limit_of(text: str, survey: Survey) -> float | None:

@@ -20,21 +20,39 @@ class Progress:
         """Tell that `done` of the total is behind us; this one keeps it to itself."""
 
 
+class Pace:
+    """The time left at the pace since the first call: what came before it was getting ready, such as compiling."""
+
+    def __init__(self, total: float) -> None:
+        self.total = total
+        self.first: tuple[float, float] | None = None  # moment [s], done
+
+    def left(self, done: float) -> str:
+        """`4 min 12 s left`; empty at the first call."""
+        moment = time.monotonic()
+        self.first = self.first or (moment, done)
+        begun, already = self.first
+        return (
+            time_left(moment - begun, (done - already) / (self.total - already))
+            if already < self.total
+            else ""
+        )
+
+
 class PlainLines(Progress):
     """One line at a time, at most one every five seconds: for files and logs."""
 
     def __init__(self, total: float, label: str, stream: TextIO) -> None:
         self.total, self.label, self.stream = total, label, stream
-        self.started = self.last_line = time.monotonic()
+        self.pace, self.last_line = Pace(total), time.monotonic()
 
     def update(self, done: float, text: str = "") -> None:
         """Print a line, if the last one is old enough."""
-        moment = time.monotonic()
+        moment, left = time.monotonic(), self.pace.left(done)
         if moment - self.last_line < LINE_INTERVAL:
             return
         self.last_line = moment
-        fraction = done / self.total
-        parts = [f"{self.label}: {fraction:.0%}", time_left(moment - self.started, fraction), text]
+        parts = [f"{self.label}: {done / self.total:.0%}", left, text]
         print(", ".join(part for part in parts if part), file=self.stream, flush=True)
 
 
@@ -42,14 +60,12 @@ class Bar(Progress):
     """A bar that fills, on a terminal."""
 
     def __init__(self, total: float, label: str, display: Display) -> None:
-        self.total, self.display = total, display
+        self.pace, self.display = Pace(total), display
         self.task = display.add_task(label, total=total, left="", text="")
-        self.started = time.monotonic()
 
     def update(self, done: float, text: str = "") -> None:
         """Move the bar."""
-        left = time_left(time.monotonic() - self.started, done / self.total)
-        self.display.update(self.task, completed=done, left=left, text=text)
+        self.display.update(self.task, completed=done, left=self.pace.left(done), text=text)
 
 
 @contextmanager

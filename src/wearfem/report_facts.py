@@ -177,7 +177,7 @@ def _thirds(mesh: LinerMesh) -> dict[str, np.ndarray]:
     edge = np.linspace(corner[:, axis].min(), corner[:, axis].max(), 4)
     third = np.clip(np.searchsorted(edge, centre[:, axis], side="right") - 1, 0, 2)
     names = [
-        f"third at {'xyz'[axis]} = {1e3 * a:.3g} to {1e3 * b:.3g} mm"
+        f"third at {'xyz'[axis]} = {1e3 * a:.0f} to {1e3 * b:.0f} mm"
         for a, b in zip(edge, edge[1:], strict=False)
     ]
     return {name: np.flatnonzero(third == k) for k, name in enumerate(names) if (third == k).any()}

@@ -18,6 +18,7 @@ from wearfem.foretell import Asked, Foretold, foretell_history, percent, plans_o
 from wearfem.history import CYCLES, History, cycles_of, read_cycle, read_history
 from wearfem.life import words
 from wearfem.liner.liner import wear_surface
+from wearfem.page import rendered
 from wearfem.progress import clock
 from wearfem.record import (
     figure_list,
@@ -116,8 +117,6 @@ def compose(
     run: Path, begun: Mapping[str, Any], history: History, case: LifeCase | None, asked: Asked | None = None
 ) -> tuple[str, tuple[Figure, ...]]:
     """The page as text, and its figures."""
-    from jinja2 import Environment, StrictUndefined
-
     confidence = case.goal.confidence if case else CONFIDENCE
     end = end_of(history.life[-1], history, -1, confidence)
     thickness = thickness_at(history, end.time)
@@ -133,14 +132,11 @@ def compose(
     }
     in_order = sorted(moments.items(), key=lambda moment: moment[1])
     maps = [(title, thickness_at(history, time)) for title, time in in_order]
-    source = files("wearfem") / "page"
     foretold, refused = _foretold(history, case, asked)
     figures = figures_of(history, end, foretold)
-    environment = Environment(
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    environment.filters |= {"time": words, "mass": mass, "millimetre": _millimetre, "clock": clock}
-    page = environment.from_string((source / "page.html").read_text(encoding="utf-8")).render(
+    page = rendered(
+        "page.html",
+        {"time": words, "mass": mass, "millimetre": _millimetre, "clock": clock},
         case=begun["case"],
         begun=begun,
         written=now().isoformat(timespec="seconds"),
@@ -172,8 +168,7 @@ def compose(
         strain=history.reports[-1].strain,
         rate_unit=day * 1e3,
         computing=_computing_time(run, len(history.reports)),
-        style=(source / "page.css").read_text(encoding="utf-8"),
-        script=(source / "view.js").read_text(encoding="utf-8"),
+        script=(files("wearfem") / "page" / "view.js").read_text(encoding="utf-8"),
         view=view_data(frames, limits),
     )
     return page, figures

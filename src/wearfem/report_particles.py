@@ -1,10 +1,14 @@
-"""Pictures of particles seen from the side."""
+"""Pictures of particles seen from the side, with what they move over."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+
+from wearfem.dem.particles import Particles
+from wearfem.surface import Surface
 
 
 @dataclass(frozen=True)
@@ -59,3 +63,59 @@ def draw_moments(file: Path, moments: Sequence[Moment]) -> None:
     figure.colorbar(circles, ax=panels, label="speed [m/s], 1 and above alike", shrink=0.8)
     figure.savefig(file, dpi=130)
     pyplot.close(figure)
+
+
+def draw_side(
+    axes: Any,
+    particles: Particles,
+    surface: Surface,
+    row: np.ndarray,
+    thickness: np.ndarray,
+    *,
+    whole: float,
+    drawn: float = 1.0,
+) -> None:
+    """Particles by their speed over a row of facets by their thickness, seen along y.
+
+    Parameters
+    ----------
+    axes
+        Of matplotlib.
+    row
+        (k,) facets, in order along the flow.
+    thickness
+        (k,) [m] of the liner under each.
+    whole
+        [m] thickness when new, where the colours end.
+    drawn
+        [-] how much thicker the liner is drawn than it is.
+    """
+    from matplotlib.collections import EllipseCollection, PolyCollection
+
+    circles = EllipseCollection(
+        2e3 * particles.radius, 2e3 * particles.radius, np.zeros(particles.count), units="xy", offsets=1e3 * particles.position[:, [0, 2]],
+        offset_transform=axes.transData, array=np.linalg.norm(particles.velocity, axis=1), cmap="viridis", edgecolors="black",
+        linewidths=0.1,
+    )  # fmt: skip
+    plates = []
+    for facet, left in zip(row, 1e3 * thickness, strict=True):
+        chosen = surface.facet == facet
+        corner = 1e3 * surface.corner[chosen].reshape(-1, 3)[:, [0, 2]]
+        ends = corner[[corner[:, 0].argmin(), corner[:, 0].argmax()]]
+        back = ends - drawn * left * surface.normal[chosen][0, [0, 2]]
+        plates.append(np.concatenate([ends, back[::-1]]))
+    liner = PolyCollection(
+        plates,
+        array=1e3 * thickness,
+        cmap="inferno",
+        edgecolors="face",
+        linewidths=0.3,
+        clim=(np.floor(1e3 * thickness.min()), 1e3 * whole),
+    )
+    axes.add_collection(liner)
+    axes.add_collection(circles)
+    axes.autoscale_view()
+    axes.set(aspect="equal", xlabel="x [mm]", ylabel="z [mm]")
+    axes.figure.colorbar(circles, ax=axes, label="speed of the particles [m/s]", shrink=0.7)
+    times = f", drawn {drawn:g} times" if drawn != 1.0 else ""
+    axes.figure.colorbar(liner, ax=axes, label=f"thickness left [mm]{times}", shrink=0.7, location="left")

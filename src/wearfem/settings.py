@@ -120,7 +120,7 @@ def check_settings(
         if keyword not in parameters:
             raise UserError(
                 f"{case_name} has no keyword {keyword}{did_you_mean(keyword, parameters)}; "
-                f"its keywords are {keyword_list(signature)}"
+                f"its keywords are, in SI, {keyword_list(signature)}"
             )
     resolved = {name: parameter.default for name, parameter in parameters.items()}
     for keyword, value in settings.items():
@@ -129,9 +129,15 @@ def check_settings(
 
 
 def keyword_list(signature: inspect.Signature) -> str:
-    """`force=5.0, resolution='full'`: the keywords of a case with their defaults, or `none`."""
-    defaults = [f"{name}={parameter.default!r}" for name, parameter in signature.parameters.items()]
+    """`force=5, resolution=full`: the keywords of a case with their defaults as they would be typed, in SI, or `none`."""
+    defaults = [f"{name}={_typed(parameter.default)}" for name, parameter in signature.parameters.items()]
     return ", ".join(defaults) or "none"
+
+
+def _typed(value: Value) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f"{value:g}" if isinstance(value, float) else str(value)
 
 
 def _like_default(keyword: str, value: Value, parameter: inspect.Parameter) -> Any:

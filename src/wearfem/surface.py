@@ -78,6 +78,17 @@ class Surface:
         """(f,) [m2]"""
         return np.bincount(self.facet, self.area, self.facet_count)
 
+    def mean_over_facet(self, value: np.ndarray) -> np.ndarray:
+        """(f, ...) mean over each facet, by area, of a value (t, ...) of its triangles, in its unit"""
+        part = (value.reshape(len(value), -1) * self.area[:, None]).T
+        total = np.column_stack([np.bincount(self.facet, one, self.facet_count) for one in part])
+        return (total / self.facet_area[:, None]).reshape(self.facet_count, *value.shape[1:])
+
+    @property
+    def facet_centre(self) -> np.ndarray:
+        """(f, 3) [m] centre of each facet's area"""
+        return self.mean_over_facet(self.corner.mean(axis=1))
+
     @cached_property
     def mark(self) -> str:
         """Name and a hash of the shape: equal marks are equal surfaces."""

@@ -6,9 +6,11 @@ import pytest
 from wearfem.errors import UserError
 from wearfem.wear.sampling import (
     Sample,
+    corrected_depth,
     inefficiency,
     lag_products,
     noise_density,
+    passage,
     standard_error,
     statistical_inefficiency,
     steady_from,
@@ -105,3 +107,36 @@ def test_noise_density_of_many_windows():
     squares = sum(float(np.square(row - row.mean()).sum()) for row in rows)
     density = noise_density([lag_products(row) for row in rows], squares, 0.25)
     assert density == pytest.approx(0.75, rel=0.15)  # 6000 values: 5 %
+
+
+def test_the_liner_came_through_a_shape_when_the_rates_bring_it_there():
+    """r = 1 + t / 10, d = t + t^2 / 20: the trapezoid rule is exact, whatever the service times say of the shapes."""
+    true = np.array([0.0, 2.0, 5.0, 9.0])
+    rates = [np.full((8, 2), [1.0 + t / 10.0, 2.0 + t / 5.0]) for t in true]
+    depth = [np.array([1.0, 2.0]) * (t + t**2 / 20.0) for t in true]
+    told = np.array([0.0, 2.2, 4.5, 9.9])  # where the jumps were to bring it
+    samples = [Sample(t, rate, 0.25, depth=d) for t, rate, d in zip(told, rates, depth, strict=True)]
+    time, passed = passage(samples)
+    assert time == pytest.approx(true, rel=1e-12) and passed == pytest.approx(
+        np.array(depth), rel=1e-12
+    )  # rounding
+    # at its service time 9.9 the liner is 0.9 past the last shape, at its rate of 1.9
+    assert corrected_depth(samples)[0] == pytest.approx(9.0 + 81.0 / 20.0 + 0.9 * 1.9, rel=1e-12)
+    without = [Sample(t, rate, 0.25) for t, rate in zip(told, rates, strict=True)]
+    assert np.array_equal(passage(without)[0], told)
+
+
+def test_noise_does_not_make_the_passage_late_or_early():
+    """Equal jumps of 1 s by the noisy rates themselves, noise 10 %: ten of them take 10 s in the mean."""
+    random, ends = np.random.default_rng(4), []
+    for _ in range(400):
+        rate = 1.0 + 0.1 * random.normal(size=(11, 20))
+        depth = np.vstack([np.zeros(20), np.cumsum(rate[:-1], axis=0)])
+        samples = [
+            Sample(float(n), np.tile(r, (8, 1)), 0.25, depth=d)
+            for n, (r, d) in enumerate(zip(rate, depth, strict=True))
+        ]
+        ends.append(passage(samples)[0][-1])
+    # one end scatters by 10 % / sqrt(20 facets) of the first and the last half jump: 0.016 s, the mean of 400 by 0.0008 s; three of these,
+    # and a second order of noise of 0.1^2 / 20 / 11 per jump
+    assert np.mean(ends) == pytest.approx(10.0, abs=0.0024 + 10.0 * 0.1**2 / 20.0)

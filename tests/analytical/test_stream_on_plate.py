@@ -1,6 +1,5 @@
 """The stream on a plate: impacts of rigid spheres, energy, and the whole of the wear on a level plate in closed form."""
 
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -8,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.stats import norm
 
-from wearfem.case import Window, load_any_case
+from wearfem.case import Window, load_any_case, parts_of
 from wearfem.formula import FormulaFlow, Sliding
 from wearfem.liner.liner import wear_surface
 from wearfem.loads import in_one_block
@@ -25,7 +24,7 @@ def struck(**settings):
     case = load_any_case(CASE, SILENT | settings)
     surface = wear_surface(case.liner)
     _, loads = case.sampler.sample(FormulaFlow(), surface, Window(1.0))
-    return case, sys.modules[type(case.sampler).__module__], surface, in_one_block(loads)
+    return case, parts_of(CASE), surface, in_one_block(loads)
 
 
 @pytest.mark.parametrize("degrees", [10.0, 20.0, 35.0, 60.0, 85.0])

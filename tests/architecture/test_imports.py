@@ -25,14 +25,17 @@ LAYERS = (
     {"case_file"},
     {"pictures", "record_mesh"},
     {"render"},
-    {"life", "history", "record", "cycle", "formula", "values", "progress"},
+    {"life"},
+    {"sharpness"},
+    {"history", "record", "cycle", "formula", "values", "progress"},
+    {"known"},
     {"case"},
     {"plan"},
     {"settings"},
     {"dem", "liner", "wear", "survey"},
     {"surface_file"},
     {"surface", "loads", "material", "slope"},
-    {"vector", "units", "jit", "errors", "proof", "edges", "convergence", "costs"},
+    {"vector", "units", "jit", "errors", "proof", "edges", "convergence", "costs", "page"},
 )
 SIBLINGS = {"dem", "liner", "wear", "survey"}  # never import one another ...
 SIBLING_ARROWS = {("survey", "wear")}  # ... except here
@@ -44,7 +47,7 @@ ONLY_IN = {
     "numba": ("jit.py", "dem/gpu.py"),
     "skfem": ("liner/", "wear/smooth.py"),
     "matplotlib": ("report.py", "report_particles.py", "pictures.py", "render.py", "report_drawings.py"),
-    "jinja2": ("report_page.py", "diagnosis_page.py"),
+    "jinja2": ("page/",),
     "pyvista": ("report.py", "render.py"),
     "click": ("cli.py",),
     "distributed": ("study.py",),

@@ -128,7 +128,7 @@ def test_pure_noise_is_named_in_under_5_percent_of_200_draws():
 )
 def test_confusion_matrix(design, share):
     trials = [trial(name, seed, **design) for name in plants.NAMES for seed in range(10, 20)]
-    print("\n".join(confusion(trials)))
+    print("\n".join("  ".join(line) for line in confusion(trials)))
     apart = [t for t in trials if t.plant in plants.SEPARABLE]
     rightly = [t.right or (share < 0.9 and t.verdict in ("cannot_tell", "adequate")) for t in apart]
     assert np.mean(rightly) >= share  # the share that is asked

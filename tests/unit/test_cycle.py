@@ -98,6 +98,24 @@ def test_the_stop_is_met_to_the_second():
     assert reports[-1].throughput == pytest.approx(6.0e6, rel=1e-9)
 
 
+def test_a_life_that_was_stopped_early_is_unsure_of_its_end():
+    """What is foretold from a tenth of a life is as unsure as the rate that it is foretold with, wherever the run was stopped."""
+    noisy = Sliding(1e4, 1.0, noise=0.3, memory=0.0, seed=5)
+    wide = {"sampler": noisy, "goal": Goal(np.full(8, 10e-3), tolerance=0.05), "window": Window(10.0, 40)}
+    _, reports = whole_life(life_case(stop=Stop(service_time=1.0e6), **wide))
+    last = reports[-1]
+    place = last.life.facet
+    over = last.error[place] / last.rate[place] * (last.life.time - 1.0e6)
+    assert last.service_time == pytest.approx(1.0e6, rel=1e-9)  # rounding
+    assert (
+        last.end_error(1.0) >= over > 3.0 * last.life.noise
+    )  # of the tenth that has passed: by far not all of it
+    _, reports = whole_life(life_case(**wide))
+    assert reports[-1].end_error(2.0) == pytest.approx(
+        reports[-1].life.error(2.0), rel=1e-6
+    )  # nothing is left
+
+
 def test_the_sample_is_as_long_as_planned_and_the_noisy_first_one_longer():
     case = life_case(sampler=Sliding(1e4, 1.0, noise=0.5, memory=0.5, delay=1.0, seed=3), warm_up=2.0)
     state, first = cycle(case, first_state(case))
@@ -266,6 +284,8 @@ def test_goals_by_thickness():
     np.testing.assert_allclose(goal.allowed_depth, 15e-3, rtol=1e-12)  # rounding
     with pytest.raises(UserError, match=r"facet 0 is 20 mm thick, the limit is 25 mm; give a limit below"):
         worn_to(plate(), 25e-3)
+    with pytest.raises(UserError, match=r"12 without a unit is metres: 12\*mm is meant\?"):
+        worn_to(plate(), 12.0)
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from wearfem.case import Stop
 from wearfem.costs import Prices, costs
 from wearfem.cycle import worn_to
 from wearfem.errors import UserError
-from wearfem.forecast import WHOLE, Known, effects_ahead, forecast, thickness_at_stress
+from wearfem.forecast import WHOLE, Known, forecast, thickness_at_stress
 from wearfem.proofs.cycle import ALLOWED, QUIET, RATE, lived, plate
 from wearfem.proofs.forecast import Feedback
 from wearfem.units import MPa, day, mm
@@ -70,16 +70,6 @@ def test_the_effects_of_the_case_go_on_as_they_are_known_to(law):
     assert known.quantile[1] == pytest.approx(end, rel=3e-3)  # 1 % asked of the jumps, half of it by bias
     assert known.quantile[2] - known.quantile[0] < 0.01 * end < unknown.quantile[2] - unknown.quantile[0]
     assert abs(known.straight_line / end - 1.0) > 0.05  # the effect is there to be seen
-
-
-def test_effects_ahead_are_the_factor_of_the_depth():
-    case, history, _ = so_far("hardness_gradient", 30 * day)
-    depth = np.linspace(0.0, 9 * mm, 5)[:, None] * np.ones(3)
-    factor = effects_ahead(case, history, np.arange(3), depth, np.zeros(5))
-    assert factor == pytest.approx(
-        1.0 / (1.0 - 50.0 * depth), rel=1e-9
-    )  # 1/(1 - g d), g = 0.05 / mm; rounding
-    assert effects_ahead(None, history, np.arange(3), depth, np.zeros(5)) == pytest.approx(1.0)
 
 
 def test_each_zone_has_its_own_life(two_zones):

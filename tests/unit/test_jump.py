@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from wearfem.errors import UserError
-from wearfem.wear.jump import Bounds, Goal, choose_jump, corrected_depth, end_of_life, is_trusted
-from wearfem.wear.sampling import Sample
+from wearfem.wear.jump import Bounds, Goal, choose_jump, end_of_life, is_trusted
+from wearfem.wear.sampling import Sample, corrected_depth
 
 RATE = 1e-9  # [m/s]
 GOAL = Goal(np.array([0.01, 0.01]))  # 1e7 s at RATE

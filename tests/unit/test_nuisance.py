@@ -7,7 +7,7 @@ from identification import other_plants, plants
 from wearfem.survey import nuisance
 from wearfem.survey.calibrate import calibrate
 from wearfem.survey.history import Model, depths, smooth_functions, steepness
-from wearfem.survey.identify import readings, small_spread
+from wearfem.survey.identify import _Problem, model_at, readings, small_spread
 from wearfem.survey.survey import read_survey
 
 
@@ -84,3 +84,52 @@ def test_two_mechanisms_are_told_apart(tmp_path):
     )
     assert 1e3 * impact == pytest.approx(1.6, abs=4e6 * error)
     assert found.correlation[0, 1] < 0.0  # what one takes the other lacks
+
+
+@pytest.fixture
+def uneven(tmp_path):
+    """Readings of four plates by a good gauge and a poor one, in turn; 0.04 and 0.2 mm"""
+    random = np.random.default_rng(4)
+    rows = ["point,occasion,tonnage_kt,depth_mm,sigma_mm,exposure"]
+    for j in range(1, 7):
+        for i, rate in enumerate((0.010, 0.014, 0.020, 0.025)):
+            sigma = (0.04, 0.2)[(i + j) % 2]
+            rows.append(f"P{i},{j},{100 * j},{100 * j * rate + sigma * random.normal():.6f},{sigma},{rate}")
+    (tmp_path / "survey.csv").write_text("\n".join(rows) + "\n")
+    return readings(read_survey(tmp_path / "survey.csv"))
+
+
+def alone(data):
+    """Only the gauge errs, by as much as was told"""
+    none = dict.fromkeys(small_spread(data).__dict__, 1e-09)
+    return nuisance.Spread(**(none | {"gauge": data.reference}))
+
+
+def test_a_reading_weighs_as_the_square_of_its_sigma(uneven):
+    # written down without the code: independent normal errors, ln p = sum of -(r/s)^2/2 - ln s - ln(2 pi)/2
+    depth = depths(uneven.past, Model(uneven.coefficient))
+    found = nuisance.disturbance(uneven.survey, uneven.past, depth, uneven.reference, uneven.thickness_free)
+    left = uneven.worn - uneven.past.of_rows(depth)
+    sigma = uneven.survey.sigma
+    assert np.unique(sigma) == pytest.approx([0.04e-3, 0.2e-3])
+    expected = np.sum(-0.5 * (left / sigma) ** 2 - np.log(sigma) - 0.5 * np.log(2.0 * np.pi))
+    told = nuisance.log_likelihood(found, alone(uneven), left)
+    assert told == pytest.approx(expected, rel=1e-6)  # nuisances of 1e-9 leave 1e-7
+    root = nuisance.covariance(found, alone(uneven)).root()
+    assert root @ left == pytest.approx(left / sigma, rel=1e-5)
+
+
+def test_a_coefficient_is_the_weighted_mean_of_textbooks(uneven):
+    # k = sum(e t y / s^2) / sum((e t)^2 / s^2), for straight wear y = k e t
+    problem = _Problem(uneven, ())
+    served = uneven.survey.exposure * uneven.survey.progress
+    weight = 1.0 / uneven.survey.sigma**2
+    expected = np.sum(weight * served * uneven.worn) / np.sum(weight * served**2)
+    found, _ = problem.search(np.zeros(1), problem.root(np.zeros(1), alone(uneven)), most=60)
+    k = model_at(uneven, (), found).coefficient
+    # the prior of the coefficient, 1.5 in logarithms, pulls by its own variance over the readings': 1e-6
+    assert k == pytest.approx(expected, rel=1e-5)
+    for power in (1.0, 4.0):  # other powers of sigma give another mean
+        weight = uneven.survey.sigma**-power
+        other = np.sum(weight * served * uneven.worn) / np.sum(weight * served**2)
+        assert abs(other / expected - 1.0) > 5e-5  # five times the tolerance above

@@ -39,6 +39,17 @@ def test_plain_lines_are_at_least_five_seconds_apart(monkeypatch):
     ]
 
 
+def test_what_came_before_the_first_step_is_no_pace(monkeypatch):
+    """100 s of compiling, then a quarter of the work in 10 s: three quarters take 30 s more."""
+    moment = 0.0
+    monkeypatch.setattr(module.time, "monotonic", lambda: moment)
+    stream = io.StringIO()
+    lines = PlainLines(40.0, "slide", stream)
+    for moment, done in ((100.0, 0.0), (110.0, 10.0)):  # noqa: B007 read by the clock above
+        lines.update(done)
+    assert stream.getvalue().splitlines() == ["slide: 0%", "slide: 25%, 30 s left"]
+
+
 @pytest.mark.parametrize("terminal", [True, False])
 def test_progress_works_on_a_terminal_and_off_it(monkeypatch, capsys, terminal):
     monkeypatch.setattr(module.sys.stderr, "isatty", lambda: terminal)

@@ -177,7 +177,8 @@ def test_thickness_at_end_of_life_is_the_limit():
         history = history_of(*_after(case, count))
         life = history.life[-1]
         left = thickness_at(history, life.time)[life.facet]
-        assert left == pytest.approx(10 * mm, abs=1e-12)  # m: 20 mm of plate less the 10 mm allowed; rounding
+        # 20 mm of plate less the 10 mm allowed; a micrometre for the bias of the jumps, which is taken off the life and not off the depth
+        assert left == pytest.approx(10 * mm, abs=1e-6)
 
 
 def _after(case, count):

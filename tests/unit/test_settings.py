@@ -112,7 +112,7 @@ def test_settings_replace_defaults_and_take_their_kind():
     [
         (
             {"forse": 6.0},
-            r"no keyword forse \(did you mean force\?\); its keywords are force=5.0, seed=1, held",
+            r"no keyword forse \(did you mean force\?\); its keywords are, in SI, force=5, seed=1, held",
         ),
         ({"force": "tone"}, "a number in SI.*did you mean tonne"),
         ({"force": True}, "a number in SI"),

@@ -101,7 +101,7 @@ def by_jumps(
             start = max(steady_from(rows.sum(axis=1)) if plant.delay else 0, known)
             steady = len(rows) - start
             if steady >= LEAST:
-                trial = (*samples, Sample(time, rows[start:], BLOCK, start * BLOCK))
+                trial = (*samples, Sample(time, rows[start:], BLOCK, start * BLOCK, geometry[-1]))
                 trusted = is_trusted(trial, goal)
                 if steady >= least and not samples:
                     first = choose_jump(trial, geometry[-1], goal, bounds, at_most)

@@ -30,8 +30,6 @@ RIGID = "rigid bodies with friction: Walton (1993); Foerster et al. (1994), Phys
 SAME_LAW = "the same law integrated from event to event by DOP853 (verification/oblique_theory.py)"
 PARTIAL_SLIP = "Maw, Barber and Fawcett (1976), Wear 38, 101, by 400 rings"
 
-LEVER = "friction acts at R - d, where the surfaces touch; the theory puts it at R"
-
 
 def rig(test: ImpactTest, variant: Variant, cut: Cut | None = None) -> Rig:
     """The rig of a published test."""

@@ -1,30 +1,30 @@
 """Ore on a curved chute beside the closed form of its stream: speed, normal force and wear, and what sets them apart."""
 
-import sys
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import cos, degrees, radians, sin
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from wearfem.case import LifeCase, Window, load_any_case
+from wearfem.case import LifeCase, Window, load_any_case, parts_of
 from wearfem.dem.flow import Flow
 from wearfem.dem.particles import spheres
 from wearfem.dem.sample import sample
-from wearfem.liner.liner import wear_surface
+from wearfem.liner.chute import angle_of, share_between
+from wearfem.liner.liner import Liner, wear_surface
 from wearfem.proof import Claim
+from wearfem.proofs._chute_stream import BLOCK, SNAPSHOT, Passage, Stretch, Theory, passage, theory
 from wearfem.verification.chute_theory import GRAVITY, speed, wear_rate
+from wearfem.wear.sampling import Measured
 
 CASE = Path(__file__).parents[3] / "cases" / "transfer_chute"
 PAPER = "Chen, Schott and Lodewijks"
 COARSE = {"coarsening": 3.0, "slice_width": 0.105}
 SLIDING = {"coarsening": 2.0, "slice_width": 0.07, "rolling_friction": 1.0}
 FRICTION = 0.46  # [-] of ore on the chute
-SNAPSHOT = 0.02  # [s]
 START = radians(30.0)  # where a single ball begins to slide
 
 
@@ -38,7 +38,7 @@ def claims() -> Iterator[Claim]:
 
 def closed_form() -> Iterator[Claim]:
     """The speed law beside its equation of motion solved by steps, and the numbers in print"""
-    chute = module()
+    chute = parts_of(CASE)
     begin, end = chute.ZONE_2
     given = {"friction": 0.47, "radius": 2.0, "start_angle": chute.ONSET, "start_speed": 5.34}
 
@@ -61,7 +61,8 @@ def closed_form() -> Iterator[Claim]:
 
 def one_ball() -> Iterator[Claim]:
     """One ball that cannot roll slides down the arc: a stream that is a block, on facets of 10 and 2.5 mm"""
-    chute, radius, first = module(), 8e-3, 4.0
+    chute, radius, first = parts_of(CASE), 8e-3, 4.0
+    exit_angle = zone_2().exit
     given = {
         "friction": FRICTION,
         "radius": chute.RADIUS - radius,
@@ -80,8 +81,8 @@ def one_ball() -> Iterator[Claim]:
     ):
         found = slid(size, radius, first)
         yield Claim(
-            f"speed of a ball that slides, at {degrees(chute.EXIT):.2f} degrees, facets of {1e3 * size:g} mm", "closed form",
-            speed(chute.EXIT, **given), found[0], "m/s", tolerance, True, note,
+            f"speed of a ball that slides, at {degrees(exit_angle):.2f} degrees, facets of {1e3 * size:g} mm", "closed form",
+            speed(exit_angle, **given), found[0], "m/s", tolerance, True, note,
         )  # fmt: skip
         yield Claim(
             f"wear of zone 2 by a ball that slides, facets of {1e3 * size:g} mm", "closed form", worn, found[1], "m3", tolerance,
@@ -91,19 +92,19 @@ def one_ball() -> Iterator[Claim]:
 
 def slid(mesh_size: float, radius: float, first: float) -> tuple[float, float]:
     """Speed [m/s] at the end of zone 2 and wear [m3] of zone 2 by a ball that begins to slide before it at `first` [m/s]"""
-    case, chute = chute_case(mesh_size=mesh_size, **SLIDING)
+    case, zone = chute_case(mesh_size=mesh_size, **SLIDING), zone_2()
     surface = wear_surface(case.liner)
     model = case.sampler.model(surface)  # type: ignore[attr-defined]
-    path = chute.RADIUS - radius
+    path = zone.shape.radius - radius
     place = np.array([[-path * cos(START), 0.035, -path * sin(START)]])
     ball = spheres(
         place, radius, model.materials[0].density, velocity=(first * sin(START), 0.0, -first * cos(START))
     )
     _, loads, seen = sample(Flow(ball), replace(model, inlets=()), Window(0.4, 1, 400))
-    angle = np.array([chute.angle_of(flow.particles.position)[0] for flow in seen if flow.particles.count])
+    angle = np.array([angle_of(flow.particles.position)[0] for flow in seen if flow.particles.count])
     moving = np.array([np.linalg.norm(flow.particles.velocity) for flow in seen if flow.particles.count])
-    return float(np.interp(chute.EXIT, angle, moving)), 3e-13 * float(
-        loads.load_distance[0] @ chute.zone_share(surface, 2)
+    return float(np.interp(zone.exit, angle, moving)), 3e-13 * float(
+        loads.load_distance[0] @ share_between(surface, zone.begin, zone.end)
     )
 
 
@@ -119,21 +120,15 @@ def stream(seconds: float, noise: float, **settings: Any) -> Iterator[Claim]:
     settings
         Keywords of the case [SI].
     """
-    case, chute = chute_case(**settings)
-    slices = case.sampler.model.__self__  # type: ignore[attr-defined]
-    surface = wear_surface(case.liner)
-    model = slices.model(surface)
-    flow, _, _ = sample(case.flow, model, Window(case.warm_up))
-    window = Window(seconds, round(seconds / chute.BLOCK), round(seconds / SNAPSHOT))
-    flow, loads, seen = sample(flow, model, window)
-    told = chute.passage(slices, surface, loads, seen)
-    theory = chute.theory(told)
+    case = chute_case(**settings)
+    seen = watched(case, seconds, case.warm_up)
+    told, theory, slices = seen.passage, seen.theory, case.measure.stream  # type: ignore[attr-defined]
     ore = f"ore of {2e3 * slices.radii[0]:g} to {2e3 * slices.radii[1]:g} mm"
     allowed = 0.02 + 2.0 * noise
     reason = f"2 % is asked; twice the standard error of {100.0 * noise:g} % beside it"
-    mass = float(flow.particles.mass.sum())
+    mass = float(seen.flow.particles.mass.sum())
     yield Claim(
-        f"mass of {ore} fed", "what is on the chute and what has left it", flow.fed[0], mass + flow.left_mass, "kg", 1e-12, True,
+        f"mass of {ore} fed", "what is on the chute and what has left it", seen.flow.fed[0], mass + seen.flow.left_mass, "kg", 1e-12, True,
         "rounding of a sum",
     )  # fmt: skip
     yield Claim(
@@ -158,28 +153,57 @@ def stream(seconds: float, noise: float, **settings: Any) -> Iterator[Claim]:
         limit, why = allowed, f"balls that cannot roll slide at {slip:.3f} of the stream's speed; {reason}"
     yield Claim(
         f"wear rate of zone 2 over that of the closed form, {ore}, {'that rolls' if rolls else 'that cannot roll'}", "2 % asked", 1.0,
-        told.wear[1].over(theory.wear).value, "-", limit, True, why,
+        seen.wear[1].over(theory.wear).value, "-", limit, True, why,
     )  # fmt: skip
     yield Claim(
-        "wear rate of zone 2", "closed form x sliding over stream speed, both measured", theory.wear.value * slip, told.wear[1].value,
+        "wear rate of zone 2", "closed form x sliding over stream speed, both measured", theory.wear.value * slip, seen.wear[1].value,
         "m3/s", allowed, True, reason,
     )  # fmt: skip
     if not rolls:
         return
-    for zone, (one, printed) in enumerate(zip(told.wear, chute.PUBLISHED, strict=True), 1):
+    for zone, (one, printed) in enumerate(zip(seen.wear, parts_of(CASE).PUBLISHED, strict=True), 1):
         yield Claim(
             f"wear rate of zone {zone}, {ore}", f"{PAPER}, section 4.1", printed, one.value, "m3/s", np.inf, True,
             f"standard error {one.error:.1g}; why it is not met: cases/transfer_chute/README.md",
         )  # fmt: skip
 
 
-def chute_case(**settings: Any) -> tuple[LifeCase, ModuleType]:
-    """The case with its keywords, and its module."""
+@dataclass(frozen=True)
+class Watched:
+    """A steady stream, what it tells, and the closed form of zone 2 at its friction and entry speed."""
+
+    flow: Flow  # at the end
+    time_step: float  # [s]
+    wear: tuple[Measured, ...]  # [m3/s] of zones 1, 2, 3, on the whole width
+    passage: Passage  # of zone 2
+    theory: Theory  # of zone 2
+
+
+def watched(
+    case: LifeCase, seconds: float, warm_up: float, liner: Liner | None = None, start: Flow | None = None
+) -> Watched:
+    """The case's stream over the new chute from an empty one, or over `liner` from the flow `start`, after `warm_up` [s], for `seconds`."""
+    chute, stream = parts_of(CASE), case.measure.stream  # type: ignore[attr-defined]
+    surface = wear_surface(liner or case.liner)
+    model = stream.model(surface)
+    flow, _, _ = sample(start or case.flow, model, Window(warm_up))
+    window = Window(seconds, round(seconds / BLOCK), round(seconds / SNAPSHOT))
+    flow, loads, snapshots = sample(flow, model, window)
+    zone = replace(zone_2(), feed_rate=stream.feed_rate, share=stream.share)
+    seen = passage(zone, surface, loads, snapshots)
+    wear = chute.zone_wear(case.wear_law.depth_rate(loads), surface, stream)
+    return Watched(flow, model.time_step, wear, seen, theory(seen, zone, case.settings["specific_wear_rate"]))
+
+
+def zone_2() -> Stretch:
+    """Zone 2 of the case, with the printed feed."""
+    chute = parts_of(CASE)
+    begin, end = chute.ZONE_2
+    return Stretch(chute.CHUTE, begin, end, chute.FEED_RATE)
+
+
+def chute_case(**settings: Any) -> LifeCase:
+    """The case with its keywords."""
     case = load_any_case(CASE, settings)
     assert isinstance(case, LifeCase)
-    return case, sys.modules[case.measure.__module__]
-
-
-def module() -> ModuleType:
-    """That of the case."""
-    return chute_case()[1]
+    return case

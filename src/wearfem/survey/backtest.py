@@ -1,7 +1,11 @@
-"""What the forecasts of a survey would have been worth: each occasion foretold from those before it, and then read."""
+"""What the forecasts of a survey would have been worth: each occasion foretold from those before it, and then read.
+
+An effect that is there need not foretell better: its curve may be known too badly, or campaigns may err by more than it explains. So which
+forecast to plan by is decided by what earlier ones were worth.
+"""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,6 +17,8 @@ from wearfem.survey.forecast import (
     FULL,
     LINE,
     SHARE,
+    Forecast,
+    Outlook,
     allowance,
     explanations,
     lines_ahead,
@@ -41,15 +47,21 @@ class Foretold:
         The effects that were named from the occasions before.
     error
         (3, r) [SI] foretold less read, of the straight line, the coefficient alone and the model with what was named.
-    held
-        (3, r) whether the 80 % interval of each holds the reading.
+    reach
+        (3, r) [-] error over the distance from the median to the end of the 80 % interval on that side; up to 1 the interval holds the
+        reading.
     """
 
     occasion: str
     progress: float
     named: tuple[str, ...]
     error: np.ndarray
-    held: np.ndarray
+    reach: np.ndarray
+
+    @property
+    def held(self) -> np.ndarray:
+        """(3, r) whether the 80 % interval of each holds the reading"""
+        return self.reach <= 1.0
 
     @property
     def rmse(self) -> np.ndarray:
@@ -77,6 +89,72 @@ class BackTest:
     def readings(self) -> int:
         """How many readings were foretold"""
         return sum(f.error.shape[1] for f in self.occasions)
+
+    @property
+    def stretch(self) -> np.ndarray:
+        """(3,) by how much the intervals of each model must be stretched to have held 80 % of the readings; 1 where they did
+
+        Readings of an occasion share its errors, so shares are compared occasion by occasion: 1 too where their mean is below 80 % by no
+        more than its standard error (at least that of so many readings by themselves), or where two occasions or fewer were foretold.
+        """
+        share = np.array([f.held.mean(axis=1) for f in self.occasions])
+        count = len(share)
+        if count < 3:
+            return np.ones(len(NAMES))
+        error = np.maximum(
+            share.std(axis=0, ddof=1) / np.sqrt(count), np.sqrt(SHARE * (1.0 - SHARE) / self.readings)
+        )
+        needed = np.quantile(np.concatenate([f.reach for f in self.occasions], axis=1), SHARE, axis=1)
+        return np.where(share.mean(axis=0) + error < SHARE, np.maximum(needed, 1.0), 1.0)
+
+
+@dataclass(frozen=True)
+class Advice:
+    """The forecast to plan by.
+
+    Parameters
+    ----------
+    outlook
+        Of the model that erred least, its intervals stretched as the back-test asks; of the most probable model where nothing was tested.
+    stretch
+        [-] by how much.
+    tested
+        Whether earlier forecasts could be compared with readings.
+    """
+
+    outlook: Outlook
+    stretch: float
+    tested: bool
+
+
+def advised(ahead: Forecast, tested: BackTest) -> Advice:
+    """Which of the forecasts to plan by: the one whose model erred least when each occasion was foretold from those before it.
+
+    Parameters
+    ----------
+    ahead
+        The forecasts.
+    tested
+        The back-test of the same survey.
+    """
+    if not tested.occasions:
+        return Advice(ahead.outlooks[-1], 1.0, False)
+    error, stretch = dict(zip(NAMES, tested.rmse, strict=True)), dict(zip(NAMES, tested.stretch, strict=True))
+    best = min(ahead.outlooks, key=lambda outlook: error[outlook.name])
+    return Advice(stretched(best, stretch[best.name], ahead.now), stretch[best.name], True)
+
+
+def stretched(outlook: Outlook, factor: float, now: float) -> Outlook:
+    """The same medians with intervals that are so many times as wide; nothing that serves ends before `now`."""
+    if factor == 1.0:
+        return outlook
+    low, middle, high = outlook.worn
+    worn = np.array([middle + factor * (low - middle), middle, middle + factor * (high - middle)])
+    median = np.quantile(outlook.end, 0.5, axis=0, method="closest_observation")
+    served = np.isfinite(outlook.end) & np.isfinite(median) & (outlook.end > now)
+    with np.errstate(invalid="ignore"):
+        wider = np.maximum(median + factor * (outlook.end - median), now)
+    return replace(outlook, worn=worn, end=np.where(served, wider, outlook.end))
 
 
 def back_test(survey: Survey, *, seed: int = 0) -> BackTest:
@@ -128,11 +206,12 @@ def foretell(choice: Choice, asked: Survey, seed: int = 0) -> Foretold:
     lines = lines_ahead(data, at, DRAWS, random, noise=1.0)[:, asked.life, column]
     models = [[(choice.plain, 1.0)], explanations(choice)]
     told = [lines, *(_readings_ahead(model, data, asked, at, column, random) for model in models)]
-    low, high = np.quantile(told, [0.5 - 0.5 * SHARE, 0.5 + 0.5 * SHARE], axis=1)
+    low, middle, high = np.quantile(told, [0.5 - 0.5 * SHARE, 0.5, 0.5 + 0.5 * SHARE], axis=1)
+    width = np.maximum(np.where(worn < middle, middle - low, high - middle), 1e-12 * data.deepest)
     return Foretold(
         asked.occasion_names[asked.occasion[0]], float(np.median(asked.progress)),
         tuple(suspect.name for suspect in choice.best.suspects),
-        np.median(told, axis=1) - worn, (low <= worn) & (worn <= high),
+        middle - worn, np.abs(worn - middle) / width,
     )  # fmt: skip
 
 

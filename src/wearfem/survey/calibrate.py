@@ -99,7 +99,7 @@ def _far_off(found: Fit, rows: np.ndarray) -> tuple[Doubt, ...]:
     """Readings more than 6 gauge errors from the model and its nuisances"""
     data = found.readings
     survey = data.survey
-    left = data.worn - data.past.of_rows(found.depth)
+    left = data.left(found.depth)
     known = found.disturbance
     value, _ = nuisances(known, found.spread, left)
     apart = left - known.column @ value

@@ -5,10 +5,10 @@ parameter. So the same lines serve as bounds, as start and as prior, and a suspe
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.special import ndtr
+from scipy.special import ndtr, ndtri
 
 from wearfem.survey.history import History
 from wearfem.wear import effects as library
@@ -51,8 +51,9 @@ class Candidate:
         Name of an effect of the library that is the same curve up to the coefficient.
     quantity
         What it depends on.
-    frozen
-        How many of the last coordinates stay where a start has put them.
+    share
+        (k,) prior probability of each entry of a list (which points a patch covers) that the last coordinate numbers; none without a
+        list. That coordinate stays where a start has put it, and the evidence is summed over the list.
     """
 
     name: str
@@ -62,7 +63,12 @@ class Candidate:
     quantity: str
     penalty: float = 0.0
     twin: str = ""
-    frozen: int = 0
+    share: np.ndarray = field(default_factory=lambda: np.zeros(0))
+
+    @property
+    def frozen(self) -> int:
+        """How many of the last coordinates stay where a start has put them"""
+        return min(1, len(self.share))
 
     def effect(self, coordinate: np.ndarray) -> Suspect:
         """The effect at a coordinate (d,)."""
@@ -135,10 +141,13 @@ def by_progress(past: History) -> list[Candidate]:
     ratio = Free("ratio", "-", above_zero(1.0, 0.4))
     excess = Free("excess", "-", above_zero(0.7, 0.8))
     scale = Free("throughput", "progress", above_zero(0.15 * (last - first), 0.8))
+    middles = 0.5 * (
+        np.append(first, ends[:-1]) + ends
+    )  # readings bend where a date passes an occasion, so each interval has its best date
     return [
         Candidate(
             "OreChange", (date, ratio), lambda v: library.OreChange((v[0],), (v[1],)),
-            product(np.linspace(-1.5, 1.5, 9).tolist(), [0.0]), "date",
+            product(ndtri((middles - first) / (last - first)).tolist(), [0.5]), "date",
         ),
         Candidate(
             "RunningInByThroughput", (excess, scale), lambda v: library.RunningInByThroughput(v[0], v[1]),
@@ -214,7 +223,7 @@ def by_load(past: History, knots: int) -> list[Candidate]:
         found.append(
             Candidate(
                 "DeadZone", (Free("ratio", "-", between(0.0, 1.0)), Free("slip_speed", "m/s", lambda u: slow[round(u)])),
-                lambda v: library.DeadZone(v[1], v[0]), product([-0.5], [0.0, 1.0, 2.0, 3.0]), "slip_speed", frozen=1,
+                lambda v: library.DeadZone(v[1], v[0]), product([-0.5], [0.0, 1.0, 2.0, 3.0]), "slip_speed", share=np.full(4, 0.25),
             )
         )  # fmt: skip
     angle = past.feature.get("impact_angle")
@@ -262,35 +271,47 @@ def by_place(past: History) -> list[Candidate]:
             )
         )  # fmt: skip
     if len(place) >= 8:
-        found.append(_patch(place))
+        found.append(_patch(place, float(past.begin.min()), float(past.end.max())))
     return found
 
 
-def _patch(place: np.ndarray) -> Candidate:
-    """A round patch about each point and about places on a grid, that holds 2 to a third of the points; each set of points once"""
+def _patch(place: np.ndarray, first: float, last: float) -> Candidate:
+    """A round patch about any place of a plan, that holds 2 to a third of the points; each set of points once.
+
+    Middles lie on a grid and at the points, and all radii are as probable; so a set of points is as probable as there are patches that
+    cover it and no other. It is there from the beginning, or from some progress between `first` and `last` on: three to two.
+    """
     patches: dict[bytes, tuple[np.ndarray, float]] = {}
+    weight: dict[bytes, float] = {}
     low, high = place.min(axis=0), place.max(axis=0)
     grid = [np.linspace(a, b, GRID if b > a else 1).tolist() for a, b in zip(low, high, strict=True)]
     centres = (
         product(*grid) if min(len(axis) for axis in grid) == 1 else place
     )  # a plan has a grid; in space, points do
     for centre in np.concatenate([place, centres]):
-        far = np.sort(np.linalg.norm(place - centre, axis=1))
-        for count in range(2, max(3, len(place) // 3) + 1):
-            radius = 0.5 * float(far[count - 1] + far[min(count, len(far) - 1)])  # midway to the next point
-            inside = np.linalg.norm(place - centre, axis=1) <= radius
-            patches.setdefault(inside.tobytes(), (centre, radius))
+        away = np.linalg.norm(place - centre, axis=1)
+        far = np.sort(away)
+        for nearer, further in zip(far[1 : max(3, len(place) // 3) + 1], far[2:], strict=False):
+            if further > nearer:
+                radius = 0.5 * float(nearer + further)
+                key = (away <= radius).tobytes()
+                patches.setdefault(key, (centre, radius))
+                weight[key] = weight.get(key, 0.0) + float(further - nearer)
     all_patches = list(patches.values())
+    share = np.array(list(weight.values()))
     number = Free("patch", "-", lambda u: u)
 
     def build(value: Sequence[float]) -> Suspect:
-        centre, radius = all_patches[round(value[1])]
-        return library.BuildUp((float(centre[0]), float(centre[1]), float(centre[2])), radius, value[0])
+        centre, radius = all_patches[round(value[2])]
+        return library.BuildUp(
+            (float(centre[0]), float(centre[1]), float(centre[2])), radius, value[0], value[1]
+        )
 
-    starts = product([-0.3], np.arange(len(all_patches), dtype=float).tolist())
+    later = between(first - 1.5 * (last - first), last)
+    since = Free("since", "progress", lambda u: max(later(u), 0.0))
+    starts = product([-0.3], [0.0, 0.6, 1.1], np.arange(len(all_patches), dtype=float).tolist())
     return Candidate(
-        "BuildUp", (Free("ratio", "-", between(0.0, 1.0)), number), build, starts, "position",
-        penalty=float(np.log(len(all_patches))) - 1.0, frozen=1,
+        "BuildUp", (Free("ratio", "-", between(0.0, 1.0)), since, number), build, starts, "position", share=share / share.sum(),
     )  # fmt: skip
 
 

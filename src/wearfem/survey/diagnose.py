@@ -69,13 +69,19 @@ class Effect:
 
 @dataclass(frozen=True)
 class HeldOut:
-    """What the figures of `heldout_rmse` are taken over."""
+    """What the figures of `heldout_rmse` are taken over.
+
+    `undecided` (point, occasion) are those that the fitted ones do not tell to within the gauge's error, even if the improved model is
+    right: at the border of a patch, or where wear is deeper than any that was fitted. `decided_rmse` is its error on all the others.
+    """
 
     points: tuple[str, ...]
     occasions: tuple[str, ...]
     readings: int
     straight_line_readings: int
     named_without_them: tuple[str, ...] | None
+    undecided: tuple[tuple[str, str], ...]
+    decided_rmse: float | None
 
 
 @dataclass(frozen=True)
@@ -142,7 +148,7 @@ def diagnose(survey: Survey, *, name_without: bool = True) -> Diagnosis:
         survey, doubts, choice, noise_tests(choice.plain), after,
         _baseline(data, held, factor), _straight_line(data, held, factor), _score(improved, data, held, factor),
         choice.best.spread.gauge / factor, _verdict(choice, effects, after), effects,
-        _nuisance(choice.best, factor), _held_out_names(data, held, named), notes,
+        _nuisance(choice.best, factor), _held_out_names(data, held, named, improved), notes,
     )  # fmt: skip
 
 
@@ -342,7 +348,7 @@ def _nuisance(best: Fit, factor: float) -> dict[str, object]:
     """Zero errors by occasion [measured unit], the tonnage book by interval [-], scatter of places [-], with 90 % intervals"""
     r = best.readings
     found = best.disturbance
-    value, deviation = nuisances(found, best.spread, r.worn - r.past.of_rows(best.depth))
+    value, deviation = nuisances(found, best.spread, r.left(best.depth))
     names = r.survey.occasion_names
     told: dict[str, object] = {}
     kinds = ((0, "zero_error", r.survey.sign * factor), (3, "tonnage_book", 1.0), (5, "scale_error", 1.0))
@@ -383,15 +389,24 @@ def run_own_sampling(fitted: Fit) -> float:
     return float(np.median(error / np.maximum(fitted.depth[:, -1], 1e-300)))
 
 
-def _held_out_names(data: Readings, held: np.ndarray, named: tuple[str, ...] | None) -> HeldOut:
-    survey = data.survey
+def _held_out_names(
+    data: Readings, held: np.ndarray, named: tuple[str, ...] | None, improved: Fit
+) -> HeldOut:
+    survey, asked = data.survey, data.only(held)
     seen_points = set(survey.point[~held & ~survey.is_new].tolist())
     seen_occasions = set(survey.occasion[~held].tolist())
     points = [survey.point_names[p] for p in np.unique(survey.point) if p not in seen_points]
     occasions = [survey.occasion_names[o] for o in np.unique(survey.occasion) if o not in seen_occasions]
+    undecided = improved.doubt(asked) > improved.spread.gauge
+    left = (asked.worn - improved.predict(asked))[~undecided]
     return HeldOut(
         tuple(points), tuple(occasions), int(held.sum()),
         int((held & np.isin(survey.life, np.unique(survey.life[~held & ~survey.is_new]))).sum()), named,
+        tuple(
+            (survey.point_names[p], survey.occasion_names[o])
+            for p, o in zip(asked.survey.point[undecided], asked.survey.occasion[undecided], strict=True)
+        ),
+        float(np.sqrt(np.mean(left**2))) / survey.measured_factor if len(left) else None,
     )  # fmt: skip
 
 

@@ -280,15 +280,16 @@ def _draws(fitted: Fit, progress: np.ndarray, count: int, random: np.random.Gene
         wanted = {name for effect in model.effects for name in effect.needs} | {"exposure"}
         wanted |= {"days"} if model.additions else set()
         grown = depths(one_future(future, served, weather, wanted, interval, random), model)
-        nuisance = gain @ (data.worn - past.of_rows(grown[:, :served])) + root @ random.standard_normal(
-            len(size)
-        )
+        nuisance = gain @ data.left(grown[:, :served]) + root @ random.standard_normal(len(size))
         told[s] = np.where(at >= 0, nuisance[at], there_size * random.standard_normal(len(at)))
         depth[s] = grown[:, served:]
     apart = np.isin(there.group, NEW)  # do not grow with wear
     ratio = depth / np.maximum(best[:, served:], 1e-12 * best.max())
     by_wear = (told[:, ~apart] @ there.column[:, ~apart].T).reshape(depth.shape)
     by_plate = (told[:, apart] @ there.column[:, apart].T).reshape(depth.shape)
+    offset = np.zeros((lives, 1))
+    offset[data.survey.life, 0] = data.offset
+    by_plate += offset
     return depth + ratio * by_wear + by_plate
 
 
@@ -327,7 +328,7 @@ def posterior(fitted: Fit, count: int, random: np.random.Generator) -> np.ndarra
 
     def energy(coordinate: np.ndarray) -> float:
         depth = depths(data.past, model_at(data, fitted.suspects, coordinate))
-        left = root @ (data.worn - data.past.of_rows(depth))
+        left = root @ data.left(depth)
         return 0.5 * float(left @ left + coordinate @ coordinate)
 
     value, vector = np.linalg.eigh(fitted.deviation)

@@ -16,7 +16,7 @@ import numpy as np
 from wearfem.survey.course import Course
 from wearfem.survey.survey import Survey
 from wearfem.wear.effect import FactorEffect, all_factors
-from wearfem.wear.effects import Corrosion, OreChange, OreChangeByTime, Overlay
+from wearfem.wear.effects import BuildUp, Corrosion, OreChange, OreChangeByTime, Overlay
 
 CELLS = 240  # of the table over depth: error of the depth below 1e-4 for factors that change twofold over it
 GAUSS_AT = 0.5 + 0.5 * np.array([-np.sqrt(0.6), 0.0, np.sqrt(0.6)])
@@ -276,6 +276,7 @@ def breaks(effects: Sequence[FactorEffect]) -> list[float]:
     """Progress at which a factor jumps"""
     changes = [e.throughput for e in effects if isinstance(e, OreChange)]
     changes += [e.service_time for e in effects if isinstance(e, OreChangeByTime)]
+    changes += [(e.since,) for e in effects if isinstance(e, BuildUp)]
     return sorted(at for change in changes for at in change)
 
 

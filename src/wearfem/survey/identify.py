@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import least_squares, nnls
+from scipy.special import logsumexp
 
 from wearfem.errors import UserError
 from wearfem.survey.candidates import Candidate
@@ -33,6 +34,7 @@ ROUNDS = 3  # of parameters and standard deviations in turn
 KEPT = 2  # starts that are followed to their end
 SEARCHED = 4  # starts that are searched; more are screened first
 ENOUGH = 6  # lines that tell the scatter of readings
+LEAST_SHARE = 1e-3  # of probability: entries of a list that are less probable are left out of a mean
 COEFFICIENT_PRIOR = 1.5  # standard deviation of the logarithm of the coefficient about its first guess
 
 
@@ -54,6 +56,9 @@ class Readings:
         Whether that is given, or guessed from enough lines.
     thickness_free
         Whether the new thickness is known from readings only.
+    offset
+        (n,) [SI] by which the plate, when new, was read above the mean of all plates; 0 where the new thickness was told. A single
+        reading errs by the gauge, and `worn` with it; so plates are taken to be alike as far as their readings allow.
     coefficient
         First guess of the coefficient.
     ratio
@@ -67,6 +72,7 @@ class Readings:
     reference: float
     reference_known: bool
     thickness_free: bool
+    offset: np.ndarray
     coefficient: float
     ratio: tuple[float, ...] = ()
 
@@ -85,18 +91,24 @@ class Readings:
         """Depths at which wear was read, for a curve over depth to bend where there are readings"""
         return np.append(0.0, self.worn[self.worn > 0.0])
 
+    def left(self, depth: np.ndarray) -> np.ndarray:
+        """What of the readings (n,) is left to nuisances, where a model says that depth (l, m) is worn."""
+        return self.worn - self.offset - self.past.of_rows(depth)
+
     def only(self, keep: np.ndarray) -> "Readings":
         """The readings (n,) of `keep`; history and sizes stay those of the whole."""
         past = replace(
             self.past, row_life=self.past.row_life[keep], row_interval=self.past.row_interval[keep]
         )
-        return replace(self, survey=self.survey.only(keep), past=past, worn=self.worn[keep])
+        return replace(
+            self, survey=self.survey.only(keep), past=past, worn=self.worn[keep], offset=self.offset[keep]
+        )
 
 
 def readings(survey: Survey) -> Readings:
     """Wear from readings, with the first guesses that a search needs."""
     past = history(survey)
-    worn, free = _worn(survey)
+    worn, free, offset = _worn(survey)
     if not worn.max(initial=0.0) > 0.0:
         raise UserError(
             f"{survey.source} shows no wear: no reading is beyond that of a new plate; check {survey.measured_name}"
@@ -112,7 +124,7 @@ def readings(survey: Survey) -> Readings:
         ratio = tuple(r / coefficient for r in rest)
     rough, enough = _roughness(survey, worn)
     known = gauge is not None or enough
-    return Readings(survey, past, worn, gauge, gauge or rough, known, free, coefficient, ratio)
+    return Readings(survey, past, worn, gauge, gauge or rough, known, free, offset, coefficient, ratio)
 
 
 def _several(past: History, worn: np.ndarray) -> np.ndarray:
@@ -123,12 +135,13 @@ def _several(past: History, worn: np.ndarray) -> np.ndarray:
     return np.maximum(nnls(steady, worn)[0], 1e-2 * each)
 
 
-def _worn(survey: Survey) -> tuple[np.ndarray, bool]:
-    """Wear (n,) that each reading tells, and whether the new thickness comes from readings"""
+def _worn(survey: Survey) -> tuple[np.ndarray, bool, np.ndarray]:
+    """Wear (n,) that each reading tells, whether the new thickness comes from readings, and that of the plate over the mean (n,)"""
+    nothing = np.zeros(survey.size)
     if survey.sign > 0.0:
-        return survey.reading, False
+        return survey.reading, False, nothing
     if np.isfinite(survey.initial).all():
-        return survey.initial - survey.reading, False
+        return survey.initial - survey.reading, False, nothing
     new = np.full(len(survey.life_point), np.nan)
     for life in range(len(new)):
         fresh = (survey.life == life) & survey.is_new
@@ -136,7 +149,7 @@ def _worn(survey: Survey) -> tuple[np.ndarray, bool]:
             new[life] = survey.reading[fresh].mean()
     if np.isnan(new).any():
         new[np.isnan(new)] = np.nanmedian(new) if np.isfinite(new).any() else survey.reading.max()
-    return new[survey.life] - survey.reading, True
+    return new[survey.life] - survey.reading, True, (new - new.mean())[survey.life]
 
 
 def _roughness(survey: Survey, worn: np.ndarray) -> tuple[float, bool]:
@@ -176,8 +189,9 @@ class Fit:
         What it was fitted to.
     depth
         (l, m) wear at the ends of intervals.
-    expected
-        (l, m) the same, as a mean over what was looked for on a list (which patch is covered), by its probability.
+    expected, undecided
+        (l, m) the same, as a mean over what was looked for on a list (which points a patch covers), by its probability; and the standard
+        deviation over that list.
     """
 
     suspects: tuple[Candidate, ...]
@@ -188,6 +202,7 @@ class Fit:
     readings: Readings
     depth: np.ndarray
     expected: np.ndarray
+    undecided: np.ndarray
 
     @property
     def name(self) -> str:
@@ -208,7 +223,7 @@ class Fit:
     def predict(self, asked: Readings) -> np.ndarray:
         """Wear (n,) that other readings of the survey should show: the model, and nuisances as far as the fitted ones tell them."""
         fitted = self.readings
-        residual = fitted.worn - fitted.past.of_rows(self.expected)
+        residual = fitted.left(self.expected)
         known = disturbance(
             fitted.survey, fitted.past, self.expected, fitted.reference, fitted.thickness_free
         )
@@ -218,7 +233,26 @@ class Fit:
         new = np.array(
             [told.get((int(g), int(k)), 0.0) for g, k in zip(there.group, there.label, strict=True)]
         )
-        return asked.past.of_rows(self.expected) + there.column @ new
+        return asked.past.of_rows(self.expected) + asked.offset + there.column @ new
+
+    def doubt(self, asked: Readings) -> np.ndarray:
+        """Standard deviation (n,) [SI] of what the model predicts of other readings, from its parameters and from lists alone.
+
+        Linear in the parameters, about the most probable ones.
+        """
+        slopes = np.zeros((asked.survey.size, len(self.coordinate)))
+        for i in np.flatnonzero(np.diag(self.deviation) > 0.0):
+            step = np.zeros(len(self.coordinate))
+            step[i] = 1e-2
+            ends = [
+                asked.past.of_rows(
+                    depths(asked.past, model_at(self.readings, self.suspects, self.coordinate + side * step))
+                )
+                for side in (-1.0, 1.0)
+            ]
+            slopes[:, i] = (ends[1] - ends[0]) / 2e-2
+        variance = np.einsum("ni,ij,nj->n", slopes, self.deviation, slopes)
+        return np.sqrt(variance + asked.past.of_rows(self.undecided) ** 2)
 
 
 def model_at(data: Readings, suspects: Sequence[Candidate], coordinate: np.ndarray) -> Model:
@@ -239,7 +273,8 @@ def model_at(data: Readings, suspects: Sequence[Candidate], coordinate: np.ndarr
 def small_spread(data: Readings) -> Spread:
     """Nuisances as a careful campaign has them; where a search begins."""
     half = 0.5 * data.reference
-    return Spread(data.reference, half, half, 0.02, 0.01, 0.01, 0.01, half, 0.005, 0.02)
+    initial = max(half, float(data.offset.std()))
+    return Spread(data.reference, half, initial, 0.02, 0.01, 0.01, 0.01, half, 0.005, 0.02)
 
 
 def fit(data: Readings, suspects: Sequence[Candidate] = (), start: Fit | None = None) -> Fit:
@@ -291,7 +326,7 @@ def _settle(problem: "_Problem", coordinate: np.ndarray, spread: Spread) -> Fit:
         before = spread
         depth = problem.depth(coordinate)
         found = disturbance(data.survey, data.past, depth, data.reference, data.thickness_free)
-        spread = fit_spread(found, data.worn - data.past.of_rows(depth), spread, data.gauge, data.reference)
+        spread = fit_spread(found, data.left(depth), spread, data.gauge, data.reference)
         coordinate, _ = problem.search(coordinate, problem.root(coordinate, spread), most=60)
         if np.allclose(
             [*before.__dict__.values()], [*spread.__dict__.values()], rtol=0.03, atol=1e-2 * data.reference
@@ -299,21 +334,22 @@ def _settle(problem: "_Problem", coordinate: np.ndarray, spread: Spread) -> Fit:
             break
     depth = problem.depth(coordinate)
     found = disturbance(data.survey, data.past, depth, data.reference, data.thickness_free)
-    residual = data.worn - data.past.of_rows(depth)
+    residual = data.left(depth)
     jacobian = problem.jacobian(coordinate, problem.root(coordinate, spread))
     moving = problem.moving
     precision = jacobian.T @ jacobian + np.eye(len(moving))
     deviation = np.zeros((len(coordinate), len(coordinate)))
     deviation[np.ix_(moving, moving)] = np.linalg.inv(precision)
+    expected, undecided, listed = problem.over_lists(coordinate, spread, depth)
     evidence = (
         log_likelihood(found, spread, residual)
         + log_prior(spread, data.gauge, data.reference)
         - 0.5 * float(coordinate[moving] @ coordinate[moving])
         - 0.5 * float(np.linalg.slogdet(precision)[1])
         - sum(suspect.penalty for suspect in problem.suspects)
+        + listed
     )
-    expected = problem.expected(coordinate, spread, depth)
-    return Fit(problem.suspects, coordinate, deviation, spread, evidence, data, depth, expected)
+    return Fit(problem.suspects, coordinate, deviation, spread, evidence, data, depth, expected, undecided)
 
 
 class _Problem:
@@ -332,26 +368,32 @@ class _Problem:
     def depth(self, coordinate: np.ndarray) -> np.ndarray:
         return depths(self.data.past, model_at(self.data, self.suspects, coordinate))
 
-    def expected(self, coordinate: np.ndarray, spread: Spread, depth: np.ndarray) -> np.ndarray:
-        """(l, m) mean depth over the lists that frozen coordinates number, by their probability at the other coordinates"""
+    def over_lists(
+        self, coordinate: np.ndarray, spread: Spread, depth: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, float]:
+        """What is looked for on lists, at the other coordinates: the mean depth (l, m) by the probability of the entries, its standard
+        deviation (l, m), and the logarithm of the evidence of all entries, each times its prior probability, over that of the one here."""
         lists: list[tuple[int, np.ndarray]] = []
         at = self.data.coefficients
         for suspect in self.suspects:
             at += len(suspect.free)
-            lists += [(i, np.unique(suspect.starts[:, i - at])) for i in range(at - suspect.frozen, at)]
+            lists += [(at - 1, suspect.share)] * suspect.frozen
         root = self.root(coordinate, spread) if lists else np.zeros((0, 0))
-        for place, entries in lists:
-            others = np.tile(coordinate, (len(entries), 1))
-            others[:, place] = entries
+        mean, variance, total = depth, np.zeros_like(depth), 0.0
+        for place, share in lists:
+            others = np.tile(coordinate, (len(share), 1))
+            others[:, place] = np.arange(len(share))
             half = np.array([0.5 * np.sum(self.residual(other, root) ** 2) for other in others])
-            weight = np.exp(half.min() - half)
-            likely = weight > 1e-3
-            weight /= weight[likely].sum()
-            if likely.sum() > 1:
-                depth = depth + sum(
-                    w * (self.depth(o) - depth) for w, o in zip(weight[likely], others[likely], strict=True)
-                )
-        return depth
+            belief = np.log(share) - half
+            sum_of_all = float(logsumexp(belief))
+            total += sum_of_all + float(half[round(coordinate[place])])
+            weight = np.exp(belief - sum_of_all)
+            likely = weight > LEAST_SHARE
+            told = np.array([self.depth(other) for other in others[likely]])
+            middle = np.tensordot(weight[likely] / weight[likely].sum(), told, 1)
+            variance = variance + np.tensordot(weight[likely], (told - middle) ** 2, 1)
+            mean = mean + middle - depth
+        return mean, np.sqrt(variance), total
 
     def first(self, start: Fit | None) -> np.ndarray:
         known = np.zeros(self.data.coefficients) if start is None else start.coordinate
@@ -388,7 +430,7 @@ class _Problem:
         return covariance(found, spread).root()
 
     def residual(self, coordinate: np.ndarray, root: np.ndarray) -> np.ndarray:
-        return root @ (self.data.worn - self.data.past.of_rows(self.depth(coordinate)))
+        return root @ self.data.left(self.depth(coordinate))
 
     def search(self, begin: np.ndarray, root: np.ndarray, most: int) -> tuple[np.ndarray, float]:
         """The best coordinate from a start, and half the sum of squares there"""

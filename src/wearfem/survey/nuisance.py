@@ -149,7 +149,7 @@ def disturbance(
         error = past.sampled[:, np.minimum(np.arange(growth.shape[1]), past.sampled.shape[1] - 1)]
         by_end = np.cumsum(growth[:, :, None] * error, axis=1)
         add(np.where(past.row_interval[:, None] < 0, 0.0, by_end[past.row_life, past.row_interval]), SAMPLING)
-    add(by_life, 4 if thickness_free else 1)
+    add(by_life, 1)
     if thickness_free:
         add(np.ones((rows, 1)), 4)
         labels[-1] = np.array([lives])  # common to all plates, and of none
@@ -273,6 +273,7 @@ def fit_spread(
 
     first = np.log(np.maximum(np.array(list(_values(start).values())) / unit, 1.01 * LEAST_SHARE))
     limits = [(first[0] - 4.0, first[0] + 4.0)] + [(floor, np.log(100.0))] * 9
+    limits[2] = (floor, np.log(1e5))  # plates of another kind
     best = minimize(
         negative, first, jac=True, method="L-BFGS-B", bounds=limits, options={"maxiter": 25, "ftol": 1e-7}
     )

@@ -43,8 +43,9 @@ def noise_spread(fitted: Fit) -> Spread:
     """Noise as a careful campaign has it: no more than the fit found, and no more than the gauge and the book allow."""
     found, data = fitted.spread, fitted.readings
     guess = min(found.gauge, data.reference) if data.reference_known else found.gauge
+    initial = found.initial if data.thickness_free else min(found.initial, data.reference)
     return Spread(
-        data.gauge or guess, found.zero, min(found.initial, data.reference), min(found.scatter, CAREFUL_SCATTER),
+        data.gauge or guess, found.zero, initial, min(found.scatter, CAREFUL_SCATTER),
         min(found.book, BOOK_PRIOR), min(found.scale, SCALE_PRIOR), min(found.smooth, CAREFUL_SCATTER), found.warp,
         min(found.shift, SHIFT_PRIOR), min(found.bend, CAREFUL_SCATTER),
     )  # fmt: skip
@@ -59,8 +60,7 @@ def noise_tests(fitted: Fit) -> tuple[NoiseTest, ...]:
     root = covariance(found, spread).root()
 
     def white(coordinate: np.ndarray, suspects: tuple) -> np.ndarray:
-        wear = depths(data.past, model_at(data, suspects, coordinate))
-        return root @ (data.worn - data.past.of_rows(wear))
+        return root @ data.left(depths(data.past, model_at(data, suspects, coordinate)))
 
     own = white(plain.coordinate, plain.suspects)
     tangent = []

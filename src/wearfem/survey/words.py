@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 
 from wearfem.errors import in_words
-from wearfem.survey.backtest import NAMES, BackTest
+from wearfem.survey.backtest import NAMES, BackTest, advised
 from wearfem.survey.calibrate import Calibration
 from wearfem.survey.diagnose import NOISE_LEVEL, PLACE, Diagnosis, Effect, Parameter, Score
 from wearfem.survey.doubt import Doubt
-from wearfem.survey.forecast import SHARE, End, Forecast
+from wearfem.survey.forecast import FULL, SHARE, End, Forecast, Outlook
 from wearfem.survey.residual import NoiseTest
 from wearfem.survey.survey import Survey
 
@@ -62,6 +62,8 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
         rows.append(("", f"cannot be told from: {others}"))
     if found.effects:
         rows.append(("added", _error(found.improved, unit)))
+        if found.heldout.undecided:
+            rows.append(("", _undecided(found)))
         rows.append(("what is left", _noise(found.tests_after, False)))
         without = found.heldout.named_without_them
         if without is not None and set(without) != {effect.name for effect in found.effects}:
@@ -105,6 +107,19 @@ def _error(score: Score, unit: str) -> str:
             f"error {score.train_rmse:.3g} {unit} on the readings it was fitted to; too few to hold any out"
         )
     return f"error on readings never fitted {score.heldout_rmse:.3g} {unit}"
+
+
+def _undecided(found: Diagnosis) -> str:
+    """Readings, kept back, that no other tells"""
+    held = found.heldout
+    points = tuple(dict.fromkeys(point for point, _ in held.undecided))
+    where = in_words([f"point {points[0]}", *points[1:]]) if len(points) <= 4 else f"{len(points)} points"
+    words = (
+        f"{len(held.undecided)} of these {held.readings}, at {where}, are told by the fitted ones no better than to the gauge's error, even if "
+        "the model is right"
+    )
+    rest = held.decided_rmse
+    return words if rest is None else f"{words}; error on the rest {rest:.3g} {found.survey.measured_unit}"
 
 
 def _line(found: Diagnosis, unit: str) -> str:
@@ -258,32 +273,60 @@ def calibration_values(found: Calibration) -> dict[str, Any]:
 SHOWN = 6  # points that come to the limit first
 
 
-def forecast_lines(found: Forecast) -> list[str]:
-    """A forecast as lines for a screen: when the limit is reached, by model, for zones and for the points that come first."""
+def forecast_lines(found: Forecast, tested: BackTest) -> list[str]:
+    """A forecast as lines for a screen: which one to plan by and why; then when the limit is reached, by model, for zones and points."""
     unit = progress_unit(found.survey)
     rows = [("limit", f"{limit_words(found)}; service goes on as it did{_pace(found)}")]
     lines = list(_wrapped(rows))
     if found.limit is None:
         return lines
-    lines += _wrapped([("worn out at", f"service in {unit}, by")])
-    lines.append(f"{'':<18}" + "".join(f"{o.name:<26}" for o in found.outlooks).rstrip())
-    last = found.outlooks[-1]
-    for names, end_at in ((found.zones, found.of_zone), (first_points(found)[:SHOWN], found.of_place)):
-        for name in dict.fromkeys(names):
-            ends = [end_at(outlook, name) for outlook in found.outlooks]
-            lines.append(
-                f"{name[:16]:<18}" + "".join(f"{end_words(end, found):<26}" for end in ends).rstrip()
-            )
+    advice = advised(found, tested)
+    zones = list(dict.fromkeys(found.zones))
+    ends = [(zone, found.of_zone(advice.outlook, zone)) for zone in zones]
+    lines += _wrapped([("plan by", advice_words(found, tested))])
+    lines += [
+        f"{'worn out at' if i == 0 else '':<18}{zone[:24]}: {end_words(end, found)} {unit}"
+        for i, (zone, end) in enumerate(ends)
+    ]
     if found.next_stop is not None:
-        zones = [found.of_zone(last, zone) for zone in dict.fromkeys(found.zones)]
-        told = [f"{end.place} {end.reaches:.0%}" for end in zones if end.reaches is not None]
-        lines += _wrapped(
-            [("next stop", f"at {found.next_stop:.4g} {unit} is reached by {in_words(told)} ({last.name})")]
-        )
+        told = [f"{zone} {end.reaches:.0%}" for zone, end in ends if end.reaches is not None]
+        lines += _wrapped([("next stop", f"at {found.next_stop:.4g} {unit} is reached by {in_words(told)}")])
+    lines += _wrapped([("all forecasts", f"service in {unit}, by")])
+    lines.append(f"{'':<18}" + "".join(f"{o.name:<26}" for o in found.outlooks).rstrip())
+    for names, end_at in ((zones, found.of_zone), (first_points(found)[:SHOWN], found.of_place)):
+        for name in dict.fromkeys(names):
+            by_model = [end_at(outlook, name) for outlook in found.outlooks]
+            lines.append(
+                f"{name[:16]:<18}" + "".join(f"{end_words(end, found):<26}" for end in by_model).rstrip()
+            )
     told_as = (
         f"median and interval of {SHARE:.0%}; nothing is told beyond {found.progress[-1]:.4g} {unit} (>)"
     )
     return [*lines, *_wrapped([("note", told_as)])]
+
+
+def advice_words(found: Forecast, tested: BackTest) -> str:
+    """Which forecast to plan by, and what says so."""
+    advice, unit = advised(found, tested), found.survey.measured_unit
+    name = advice.outlook.name
+    if not advice.tested:
+        return f"{name}; nothing tells what earlier forecasts would have been worth, since four occasions are needed to foretell one"
+    error = dict(zip(NAMES, tested.rmse / found.survey.measured_factor, strict=True))
+    shown = [o.name for o in found.outlooks]
+    others = in_words([f"{other} by {error[other]:.3g} {unit}" for other in shown if other != name])
+    words = (
+        f"{name}: when earlier occasions were foretold it erred least, by {error[name]:.3g} {unit}; {others}"
+    )
+    if name != shown[-1]:
+        words += (
+            f". The model {shown[-1]} explains the readings better, and yet foretells them worse"
+            if shown[-1] == FULL
+            else ". One coefficient explains the readings, and yet a line per point foretells them better"
+        )
+    held = float(tested.coverage[NAMES.index(name)])
+    if advice.stretch > 1.0:
+        words += f". Its intervals of {SHARE:.0%} held {held:.0%} of those readings: here they are {advice.stretch:.2g} times as wide"
+    return words
 
 
 def first_points(found: Forecast) -> list[str]:
@@ -329,16 +372,24 @@ def end_words(end: End, found: Forecast) -> str:
     return middle if low == high == far else f"{middle} ({low} to {high})"
 
 
-def forecast_values(found: Forecast) -> dict[str, Any]:
+def forecast_values(found: Forecast, tested: BackTest) -> dict[str, Any]:
     """A forecast as JSON has it; null stands for beyond reach."""
     survey = found.survey
     factor = survey.measured_factor
+    advice = advised(found, tested)
 
     def told(end: End) -> dict[str, Any]:
         return {
             "place": end.place, "worn_out_at": end.median, "interval": end.interval, "beyond_reach": end.beyond,
             "remaining": end.median - found.now, "reaches_next_stop": end.reaches,
         }  # fmt: skip
+
+    def ends(outlook: Outlook) -> dict[str, Any]:
+        return {
+            "name": outlook.name,
+            "zones": [told(found.of_zone(outlook, zone)) for zone in dict.fromkeys(found.zones)],
+            "points": [told(found.of_place(outlook, place)) for place in dict.fromkeys(found.places)],
+        }
 
     return {
         "limit": None if found.limit is None else found.limit / factor,
@@ -349,16 +400,9 @@ def forecast_values(found: Forecast) -> dict[str, Any]:
         "reach": float(found.progress[-1]),
         "share_of_intervals": SHARE,
         "days_by_progress": found.days,
-        "models": [
-            {
-                "name": outlook.name,
-                "zones": [told(found.of_zone(outlook, zone)) for zone in dict.fromkeys(found.zones)],
-                "points": [told(found.of_place(outlook, place)) for place in dict.fromkeys(found.places)],
-            }
-            for outlook in found.outlooks
-            if found.limit is not None
-        ],
-    }
+        "recommended": None if found.limit is None else {"stretched": advice.stretch, "tested": advice.tested} | ends(advice.outlook),
+        "models": [ends(outlook) for outlook in found.outlooks if found.limit is not None],
+    }  # fmt: skip
 
 
 def back_test_lines(found: BackTest, survey: Survey) -> list[str]:

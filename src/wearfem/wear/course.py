@@ -9,7 +9,7 @@ import numpy as np
 from wearfem.errors import UserError
 from wearfem.wear.budget import LEAST
 from wearfem.wear.first_failure import without_noise
-from wearfem.wear.sampling import ROUNDING, Sample, corrected_depth, lag_products, noise_density
+from wearfem.wear.sampling import ROUNDING, Sample, lag_products, noise_density, passage
 
 if TYPE_CHECKING:
     from wearfem.wear.jump import Goal
@@ -26,7 +26,8 @@ class Course:
     What was learnt before a sudden change says nothing of the course after it: slopes and bends are those of the present layer.
     """
 
-    time: np.ndarray  # (n,) [s]
+    time: np.ndarray  # (n,) [s] when the liner came through the shapes that were sampled
+    service_time: np.ndarray  # (n,) [s] when the jumps were to bring it there
     relative: np.ndarray  # (n,) [-] rate over the present one
     relative_error: np.ndarray  # (n,) [-] of `relative`
     together: float  # [s] relative variance of the weighted rate times the window
@@ -56,7 +57,8 @@ class Course:
     def along(cls, samples: Sequence[Sample], goal: "Goal") -> "Course":
         """What the samples tell where life ends first; raises `UserError` where nothing wears."""
         now = samples[-1]
-        weight, lefts = _where_life_ends(samples, goal)
+        time, depth = passage(samples)
+        weight, lefts = _where_life_ends(samples[-1], time[-1] - time[0], depth[-1], goal)
         left = float(lefts.min())
         series = [sample.rate @ weight for sample in samples]
         mean = np.array([one.mean() for one in series])
@@ -70,7 +72,8 @@ class Course:
         )
         window = np.array([sample.window for sample in samples])
         course = cls(
-            time=np.array([sample.service_time for sample in samples]),
+            time=time,
+            service_time=np.array([sample.service_time for sample in samples]),
             relative=mean / mean[-1],
             relative_error=np.sqrt(together / window) * mean / mean[-1],
             together=float(together),
@@ -91,7 +94,7 @@ class Course:
         bend, bend_error = course.fit(len(samples), 2)
         slope *= kept(slope, slope_error)
         left = float(time_to_wear(np.array(left), np.array(1.0), np.array(slope)))
-        expected = FIRST_BEND / (now.service_time - samples[0].service_time + left) ** 2
+        expected = FIRST_BEND / (time[-1] - time[0] + left) ** 2
         bend = abs(bend) * np.sqrt(kept(bend, 2.0 * bend_error))
         return replace(
             course,
@@ -179,12 +182,14 @@ class Course:
         """
         if jump - self.layer[jump - 1] < 2:
             return 0.0, 0.0
-        step, before = np.diff(self.time[jump - 2 : jump + 1])[::-1]
+        step, before = np.diff(self.service_time[jump - 2 : jump + 1])[::-1]
         ratio = step / before
         part = np.array([ratio, -1.0 - ratio, 1.0])
         scale = 0.5 * step / self.relative[jump]
         difference = scale * float(part @ self.relative[jump - 2 : jump + 1])
-        return difference, scale * float(np.linalg.norm(part * self.relative_error[jump - 2 : jump + 1]))
+        latest = slice(jump - 2, jump + 1)
+        error = np.maximum(self.relative_error[latest], np.sqrt(ROUNDING) * self.relative[latest])
+        return difference, scale * float(np.linalg.norm(part * error))
 
     def sudden(self, jump: int) -> float:
         """[s2] variance of life from a jump in which the rate changed as no smooth course foretold; zero for others.
@@ -196,7 +201,7 @@ class Course:
         surprise, noise = self.surprise(jump)
         if abs(surprise) <= 3.0 * noise:
             return 0.0
-        step, before = np.diff(self.time[jump - 2 : jump + 1])[::-1]
+        step, before = np.diff(self.service_time[jump - 2 : jump + 1])[::-1]
         foretold = 0.25 * step**2 * (step + before) * abs(self.fit(jump, 2)[0])
         if abs(surprise) <= 4.0 * foretold:
             return 0.0
@@ -211,16 +216,17 @@ def _memory(first: Sample, weight: np.ndarray) -> float:
     return first.warm_up / max(np.log(1.0 / max(scatter, np.sqrt(ROUNDING))), 1.0)
 
 
-def _where_life_ends(samples: Sequence[Sample], goal: "Goal") -> tuple[np.ndarray, np.ndarray]:
+def _where_life_ends(
+    last: Sample, passed: float, depth: np.ndarray, goal: "Goal"
+) -> tuple[np.ndarray, np.ndarray]:
     """Weights (f,) that fall with the eighth power of the life at the present rate, and the times left (f,) [s]."""
-    rate = samples[-1].mean
+    rate = last.mean
     if not (rate[np.isfinite(goal.allowed_depth)] > 0.0).any():
         raise UserError(
             "no facet with an allowed depth wears at all: sample longer, or look where the flow goes."
         )
-    still = np.maximum(goal.allowed_depth - corrected_depth(samples), 0.0)
+    still = np.maximum(goal.allowed_depth - depth, 0.0)
     left = np.where(rate > 0.0, still / np.where(rate > 0.0, rate, 1.0), np.inf)
-    passed = samples[-1].service_time - samples[0].service_time
     weight = goal.area * ((passed + left.min()) / (passed + left)) ** 8
     return weight / weight.sum(), left
 

@@ -5,12 +5,14 @@ between samples (bias: shorter jumps help, each costs a warm-up), and the rate i
 currency, seconds of life: a depth error e made while the rate is r moves the end of life by e / r, whatever the wear does to the rate
 later. That is exact for one facet whose rate depends on its own depth.
 
-The scheme is a predictor-corrector pair spread over consecutive cycles, second order in time with one sample a cycle:
+The scheme is a predictor-corrector pair spread over consecutive cycles, with one sample a cycle:
 
     predict   surface moves by   D (r_n + s_n D / 2),  s_n the slope of the last two samples    (Adams-Bashforth 2, variable step)
-    correct   depth grew by      D (r_n + r_n+1) / 2,  when the next sample is known            (trapezoid rule)
+    correct   the surface of the next sample is known exactly, and when the liner came through it is told by both rates,
+              step (r_n + r_n+1) / 2 = the way between the two surfaces                         (trapezoid rule)
 
-The correction rides on the next jump. Noise is not amplified: in the end each sample weighs as in the trapezoid rule.
+What the predictor was off by rides on the next jump and costs no accuracy. The bias of the trapezoid rule is second order and taken off in
+the end by the bends that were seen. Noise is not amplified: in the end each sample weighs as in the trapezoid rule.
 
 Functions take the samples so far and return values; a jump that is rejected is one whose last sample is not kept.
 The derivation is in docs/decisions/0006-how-long-a-sample-may-be-trusted.md.
@@ -26,8 +28,7 @@ from wearfem.errors import UserError
 from wearfem.wear.budget import Plan, cheapest_plan
 from wearfem.wear.course import SURPRISE, Course, kept, time_to_wear
 from wearfem.wear.first_failure import without_noise
-from wearfem.wear.sampling import Sample, statistical_inefficiency
-from wearfem.wear.sampling import corrected_depth as corrected_depth
+from wearfem.wear.sampling import Sample, corrected_depth, passage, statistical_inefficiency
 
 LARGEST_GROWTH = 2.0  # a jump over the one before: Adams-Bashforth 2 is zero-stable below 1 + sqrt(2)
 INDEPENDENT = 10  # blocks in the first sample: its variance is known within a half, sqrt(2/10)
@@ -106,7 +107,7 @@ class Life:
 
     time: float  # [s]
     facet: int
-    bias: float  # [s] expected, of the jumps; positive if `time` is too late
+    bias: float  # [s] of the jumps, positive where they made it too late; `time` is without it, and it stays as its error
     noise: float  # [s] standard deviation, of sampling and of sudden changes within jumps
 
     def error(self, deviations: float = 1.0) -> float:
@@ -152,7 +153,8 @@ def choose_jump(
     plan = _plan(foreseen, goal, min(longest.values()))
     longest |= {"growth": LARGEST_GROWTH * last if last else np.inf, "jump error": plan.jump}
     limited_by = min(longest, key=lambda name: longest[name])
-    left = foreseen.left if course.left > goal.tolerance * course.life else 0.0
+    ends = course.left <= goal.tolerance * course.life
+    left = 0.0 if ends else max(foreseen.left - (now.service_time - course.time[-1]), 0.0)
     way = min(left, stop)
     parts = np.ceil(way / longest[limited_by] - 1e-9)
     duration = way / parts if parts > 0 else 0.0
@@ -200,19 +202,20 @@ def is_trusted(samples: Sequence[Sample], goal: Goal) -> bool:
 
 
 def end_of_life(samples: Sequence[Sample], goal: Goal) -> Life:
-    """When the first facet is worn out, with what is known of the error."""
+    """When the first facet is worn out, with what is known of the error.
+
+    The trapezoid rule over the rates at the shapes that the liner came through, less the bias that the bends of the rate tell of it.
+    """
     course = Course.along(samples, goal)
-    depth = np.zeros_like(samples[-1].mean)
-    time = np.full(len(depth), np.inf)
-    for before, after in zip(samples[:-1], samples[1:], strict=True):
-        step = after.service_time - before.service_time
-        gain = 0.5 * step * (before.mean + after.mean)
-        crossed = np.isinf(time) & (depth + gain >= goal.allowed_depth) & (gain > 0.0)
+    when, worn = passage(samples)
+    time = np.full(worn.shape[1], np.inf)
+    for number, (before, after) in enumerate(zip(samples[:-1], samples[1:], strict=True)):
+        step, depth = when[number + 1] - when[number], worn[number]
+        crossed = np.isinf(time) & (worn[number + 1] >= goal.allowed_depth) & (worn[number + 1] > depth)
         into = time_to_wear(goal.allowed_depth - depth, before.mean, (after.mean - before.mean) / step)
-        time[crossed] = before.service_time + into[crossed]
-        depth = depth + gain
+        time[crossed] = when[number] + into[crossed]
     on = np.isinf(time) & (samples[-1].mean > 0.0)
-    time[on] = samples[-1].service_time + ((goal.allowed_depth - depth)[on] / samples[-1].mean[on])
+    time[on] = when[-1] + ((goal.allowed_depth - worn[-1])[on] / samples[-1].mean[on])
     weight = course.quadrature
     weight[-1] += max(float(time.min()) - course.time[-1], 0.0)
     lives = without_noise(
@@ -225,7 +228,9 @@ def end_of_life(samples: Sequence[Sample], goal: Goal) -> Life:
         + course.sudden_variance
         + lives.doubt**2
     )
-    return Life(float(lives.time[facet]), facet, course.spent_bias, float(np.sqrt(variance)))
+    return Life(
+        float(lives.time[facet]) - course.spent_bias, facet, course.spent_bias, float(np.sqrt(variance))
+    )
 
 
 def _plan(course: Course, goal: Goal, longest: float) -> Plan:

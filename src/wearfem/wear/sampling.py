@@ -9,6 +9,7 @@ import numpy as np
 from wearfem.errors import UserError
 
 ROUNDING = 1e-24  # relative variance below which blocks are equal
+EARLIEST = 0.1  # [-] of a jump, in which the liner comes through the next shape at the earliest: noise may have moved a shape far
 FEWEST_BLOCKS = 4  # below, the scatter of the blocks says nothing of the error of their mean
 
 
@@ -23,6 +24,9 @@ class Sample:
     rate: np.ndarray  # (b, f) [m/s] depth rate by block and facet, warm-up left out
     block: float  # [s] length of each block
     warm_up: float = 0.0  # [s] of flow that was thrown away before
+    depth: np.ndarray | None = (
+        None  # (f,) [m] by which the shape that the flow met had receded since the first sample
+    )
 
     def __post_init__(self) -> None:
         shape = np.shape(self.rate)
@@ -65,18 +69,64 @@ class Sample:
         """(b,) of all facets together"""
         return lag_products(self.rate)
 
-    def weighted(self, weight: np.ndarray) -> tuple[float, float]:
-        """Mean and standard error of the sum of rates times weights (f,), with what neighbours have in common."""
-        series = self.rate @ weight
-        return float(series.mean()), float(standard_error(series[:, None])[0])
+
+def passage(samples: Sequence[Sample]) -> tuple[np.ndarray, np.ndarray]:
+    """When the liner came through the shape of each sample, and what had worn off by then: the trapezoid rule over all rates.
+
+    A jump moves the surface by what it foretells, so the shape of the next sample is never quite that of its service time. The shape is
+    known exactly, the time is not. With g the mean of two rates, the step between two shapes is the one that brings the facets there,
+
+        depth + step g = shape,        step = g . (shape - depth) / (g . g)        (least squares over facets)
+
+    where samples keep their shapes; those that keep none are taken at their service times.
+
+    Returns
+    -------
+    time, depth
+        (n,) [s] and (n, f) [m] since the first sample.
+    """
+    time, depth = [samples[0].service_time], [np.zeros_like(samples[0].mean)]
+    for before, after in zip(samples[:-1], samples[1:], strict=True):
+        gain = 0.5 * (before.mean + after.mean)
+        step = after.service_time - before.service_time
+        if after.depth is not None and before.depth is not None and gain.any():
+            step = max(float(gain @ (after.depth - depth[-1]) / (gain @ gain)), EARLIEST * step)
+        time.append(time[-1] + step)
+        depth.append(depth[-1] + step * gain)
+    return np.array(time), np.array(depth)
 
 
 def corrected_depth(samples: Sequence[Sample]) -> np.ndarray:
-    """(f,) [m] worn off at the service time of the last sample: the trapezoid rule over all rates"""
-    depth = np.zeros_like(samples[-1].mean)
-    for before, after in zip(samples[:-1], samples[1:], strict=True):
-        depth += 0.5 * (after.service_time - before.service_time) * (before.mean + after.mean)
-    return depth
+    """(f,) [m] worn off at the service time of the last sample"""
+    time, depth = passage(samples)
+    return depth[-1] + (samples[-1].service_time - time[-1]) * samples[-1].mean
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A mean and its standard error, both in one unit."""
+
+    value: float
+    error: float = 0.0
+
+    def over(self, other: "Measured") -> "Measured":
+        """The quotient of two that do not depend on one another."""
+        quotient = self.value / other.value
+        return Measured(
+            quotient, abs(quotient) * float(np.hypot(self.error / self.value, other.error / other.value))
+        )
+
+
+def mean_of(block_value: np.ndarray) -> Measured:
+    """The mean of consecutive blocks (b,), with its standard error."""
+    return Measured(float(block_value.mean()), float(standard_error(block_value[:, None])[0]))
+
+
+def ratio(top: np.ndarray, bottom: np.ndarray) -> Measured:
+    """Sum of `top` (b,) over sum of `bottom` (b,) for consecutive blocks; its standard error to first order."""
+    value = float(top.sum() / bottom.sum())
+    residual = (top - value * bottom) / bottom.mean()
+    return Measured(value, float(standard_error(residual[:, None])[0]))
 
 
 def standard_error(block_rate: np.ndarray) -> np.ndarray:
