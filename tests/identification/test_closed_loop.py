@@ -161,11 +161,6 @@ def chute_script():
     return script
 
 
-def test_what_came_of_the_chute_stands_in_its_readme():
-    script = chute_script()
-    assert script.table(json.loads(script.RESULTS.read_text())) in (CHUTE.case / "README.md").read_text()
-
-
 MISSED = "a layer looks like a gradient through the smoothing of the rate, and the loop with it does not reach the noise (decision 0010)"
 
 
