@@ -65,11 +65,16 @@ def row(done: Improvement, hidden: str, seed: int) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def table(rows: list[dict[str, Any]]) -> str:
-    """Markdown"""
+def read() -> list[dict[str, Any]]:
+    """What is kept"""
+    return json.loads(RESULTS.read_text(encoding="utf-8")) if RESULTS.exists() else []
+
+
+def table() -> str:
+    """What came out so far, as Markdown"""
     names = "hidden", "seed", "verdict", *ERRORS, "found", "runs"
     lines = [f"| {' | '.join(names)} |", "|" + "---|" * len(names)]
-    for one in rows:
+    for one in read():
         errors = " | ".join(f"{one[name]:.3f}" for name in ERRORS)
         found = "; ".join([f"factor {one['factor']:.3f}", *one["found"]])
         name, verdict = one["hidden"].replace("_", " "), one["verdict"].replace("_", " ")
@@ -88,14 +93,14 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=Path("runs/hidden"), help="where the runs lie")
     parser.add_argument("--table", action="store_true", help="run nothing")
     given = parser.parse_args()
-    rows = json.loads(RESULTS.read_text()) if RESULTS.exists() else []
+    rows = read()
     asked = [one.rsplit("-", 1) for one in given.only] if given.only else PLANTS
     for hidden, seed in () if given.table else asked:
         done, _ = closed(given.out / f"{hidden}-{seed}", hidden, int(seed), again=True, site=CHUTE)
         rows = [one for one in rows if (one["hidden"], one["seed"]) != (hidden, int(seed))]
         rows = sorted([*rows, row(done, hidden, int(seed))], key=lambda one: one["seed"])
         RESULTS.write_text(json.dumps(rows, indent=1) + "\n")
-    print(table(rows))
+    print(table())
 
 
 if __name__ == "__main__":
