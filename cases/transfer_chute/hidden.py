@@ -60,7 +60,7 @@ def row(done: Improvement, hidden: str, seed: int) -> dict[str, Any]:
         "found": told,
         "agreed": done.agreed,
         "last change": done.last.change,
-        "runs": 1 + len(done.coefficient_rounds) + (len(done.rounds) if done.rounds is not done.coefficient_rounds else 0),
+        "runs": 1 + len(done.rounds),
         "left": done.again and done.again.verdict,
     }  # fmt: skip
 

@@ -118,6 +118,20 @@ def table() -> str:
     return "\n".join(lines)
 
 
+def shortens() -> str:
+    """By how much the change of shape shortens lives, and how often beyond the interval; words."""
+    done = read()
+    pairs = [(done[name], done[f"{name}, frozen"]) for name in LIVES if f"{name}, frozen" in done]
+    apart = [100.0 * (1.0 - one.life / other.life) for one, other in pairs]
+    beyond = sum(other.life - one.life > np.hypot(one.half, other.half) for one, other in pairs)
+    return f"by {min(apart):.0f} to {max(apart):.0f} %, by more than the interval of the difference in {beyond} pairs of {len(pairs)}"
+
+
+def sharp() -> str:
+    """With 10 mm of smoothing"""
+    return _days(read()["10 mm of smoothing"])
+
+
 def _days(one: Told) -> str:
     return f"{one.life:.1f} +- {one.half:.1f} d"
 

@@ -221,7 +221,7 @@ def sample_rate(
             time, shape = state.now.liner.service_time, state.now.receded
             sample = Sample(time, rate[start:].copy(), block, start * block, shape)
             if steady >= least and not earlier:
-                jump = choose_jump((sample,), state.now.receded, goal, bounds)
+                jump = next_jump(case, replace(state.now, samples=(sample,)), goal, bounds, case.longest_jump)
                 if jump.limited_by == "noise":
                     least = int(np.ceil(jump.window / block - ROUNDING))
                     _refuse_beyond_patience(case, surface, goal, jump.window)

@@ -29,6 +29,7 @@ from wearfem.survey.survey import Survey
 
 PART = 0.25  # of a standard deviation: a parameter that changes by less is the same
 ROUNDS = 6  # coupled runs at most
+ALIKE = 2.0  # standard deviations: runs that had parameters no further apart go through the same shapes, as far as can be told
 DRAWS = 500  # from the posterior, whose mean is put into a run
 
 
@@ -95,10 +96,11 @@ class Improvement:
         Along the run that was given.
     held
         (n,) readings that no round saw, of those that were not doubted.
-    coefficient_rounds, rounds
-        Coupled runs with the coefficient alone, and with the effects too (the same where none was found).
+    rounds
+        Coupled runs with the coefficient and the effects; with the coefficient alone where none was found.
     as_given, coefficient_alone, improved
-        Errors of coupled runs against the readings as they were read: no zero errors or the like are taken off.
+        Errors against the readings as they were read, no zero errors or the like taken off: of the run as it was given, of its course
+        walked at another pace, which is what a run with another coefficient does, and of the last coupled run.
     no_better
         Whether the effects were found, but in the coupled run do not predict readings held out; then `rounds` are without them.
     own_sampling
@@ -111,7 +113,6 @@ class Improvement:
     plain: LifeCase
     diagnosis: Diagnosis
     held: np.ndarray
-    coefficient_rounds: tuple[Round, ...]
     rounds: tuple[Round, ...]
     as_given: Score
     coefficient_alone: Score
@@ -144,7 +145,7 @@ class Improvement:
     @property
     def agreed(self) -> bool:
         """Whether run and readings came to agree within the rounds allowed"""
-        return self.rounds[-1].change < PART and self.coefficient_rounds[-1].change < PART
+        return self.rounds[-1].change < PART
 
 
 def improve(
@@ -171,7 +172,7 @@ def improve(
     found
         The diagnosis along that run, where it is at hand.
     rounds
-        Coupled runs at most, for the coefficient alone and for the effects each.
+        Coupled runs at most, for each set of effects.
     diagnose_again
         Ask along the last run whether what is left is noise.
     quiet
@@ -202,17 +203,19 @@ def improve(
     train[np.flatnonzero(keep)[held]] = False
     loop = _Loop(survey, plain, given, data.past, keep, held, train, unit, last, out, rounds, quiet, say)
 
-    coefficient = loop.repeat("coefficient", coefficient_alone)
+    coefficient = coefficient_alone(readings(given.only(train)), None)
+    before = score(given.only(keep), held, 1, coefficient.factor)
     suspects = found.choice.best.suspects
-    effects = loop.one_by_one(found.choice) if suspects else coefficient
-    before, after = loop.score(coefficient[-1]), loop.score(effects[-1])
-    no_better = (after.heldout_rmse or 0.0) > 1.02 * (before.heldout_rmse or np.inf)
+    done = loop.one_by_one(found.choice) if suspects else loop.repeat("coefficient", coefficient_alone)
+    no_better = bool(suspects) and (loop.score(done[-1]).heldout_rmse or 0.0) > 1.02 * (
+        before.heldout_rmse or np.inf
+    )
     if no_better:
-        effects, after = coefficient, before
-    along = exposed_by_run(survey, effects[-1].run)
+        done = loop.repeat("coefficient", coefficient_alone)
+    along = exposed_by_run(survey, done[-1].run)
     again = diagnose(along, name_without=False) if diagnose_again else None
     return Improvement(
-        plain, found, held, coefficient, effects, score(given.only(keep), held, 0), before, after, no_better,
+        plain, found, held, done, score(given.only(keep), held, 0), before, loop.score(done[-1]), no_better,
         own_sampling(along.only(keep), held), again,
     )  # fmt: skip
 
@@ -292,7 +295,8 @@ class _Loop:
         told, done = refit(data, None), list(before)
         for _ in range(self.rounds):
             done.append(self.round(self.out / "rounds" / f"{name}-{len(done) + 1}", told, refit))
-            told = done[-1].told
+            told = averaged(done[-1].told, done[len(before) :])
+            done[-1] = replace(done[-1], change=told.change(done[-1].put_in))
             self.say(self._line(name, done))
             if done[-1].change < PART:
                 break
@@ -349,15 +353,34 @@ def coefficient_alone(data: Readings, before: Told | None) -> Told:
 def with_suspects(data: Readings, suspects: Sequence[Candidate], before: Told | None) -> Told:
     """The factor and the effects, at their mean over what the readings leave probable, with nuisances integrated out."""
     start = before.fitted if before is not None else None
-    fitted = at_mean(fit(data, suspects, start))
+    return told_by(at_mean(fit(data, suspects, start)))
+
+
+def told_by(fitted: Fit) -> Told:
+    """The factor and the effects of a fit."""
     model = fitted.model
     place, deviation = fitted.coordinate.copy(), np.sqrt(np.diag(fitted.deviation))
     place[0], deviation[0] = np.log(model.coefficient), COEFFICIENT_PRIOR * deviation[0]
     at, effects = 1, []
-    for suspect in suspects:
+    for suspect in fitted.suspects:
         effects.append(suspect.effect(fitted.coordinate[at : at + len(suspect.free)]))
         at += len(suspect.free)
     return Told(model.coefficient, tuple(effects), place, deviation, fitted)
+
+
+def averaged(last: Told, rounds: Sequence[Round]) -> Told:
+    """What the readings say along several runs, mean over those that had nearly what the last says: `ALIKE` standard deviations at most.
+
+    Each run errs by its own sampling, and what is told along it with it; a loop that follows the last would chase that noise.
+
+    **Source** stochastic approximation, H. Robbins and S. Monro, Ann. Math. Stat. 22 (1951) 400-407: steps of 1/n.
+    """
+    alike = [one.told for one in rounds[:-1] if last.change(one.put_in) < ALIKE] + [last]
+    if last.fitted is None:
+        place = np.mean([told.place for told in alike], axis=0)
+        return replace(last, factor=float(np.exp(place[0])), place=place)
+    coordinate = np.mean([told.fitted.coordinate for told in alike if told.fitted is not None], axis=0)
+    return told_by(replace(last.fitted, coordinate=coordinate))
 
 
 def at_mean(fitted: Fit) -> Fit:
@@ -383,13 +406,13 @@ def _own_errors(data: Readings, factor: float) -> np.ndarray:
     return known.column[:, known.group == SAMPLING]
 
 
-def score(along: Survey, held: np.ndarray, parameters: int) -> Score:
-    """Errors of a run's own depths [measured unit], on readings it was fitted to and on those held out."""
+def score(along: Survey, held: np.ndarray, parameters: int, factor: float = 1.0) -> Score:
+    """Errors of a run's own depths at a pace [measured unit], on readings it was fitted to and on those held out."""
     data = readings(along)
-    left = data.worn - data.past.of_rows(depths(data.past, Model(1.0)))
-    factor = along.measured_factor
+    left = data.worn - data.past.of_rows(depths(data.past, Model(factor)))
+    size = along.measured_factor
     return Score(
-        float(np.sqrt(np.mean(left[~held] ** 2))) / factor,
-        float(np.sqrt(np.mean(left[held] ** 2))) / factor if held.any() else None,
+        float(np.sqrt(np.mean(left[~held] ** 2))) / size,
+        float(np.sqrt(np.mean(left[held] ** 2))) / size if held.any() else None,
         float(np.sum(left[~held] ** 2)) / data.reference**2 / max(1, int((~held).sum()) - parameters),
     )

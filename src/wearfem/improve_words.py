@@ -35,7 +35,7 @@ def _scores(found: Improvement) -> list[tuple[str, Score]]:
     return [
         ("straight line per point", found.diagnosis.straight_line),
         ("run as it was given", found.as_given),
-        ("coefficient alone, coupled run", found.coefficient_alone),
+        ("coefficient alone", found.coefficient_alone),
         *([(f"with {_names(found)}, coupled run", found.improved)] if found.effects else []),
     ]
 
@@ -92,9 +92,7 @@ def sentences(found: Improvement) -> list[str]:
 def _changed(found: Improvement) -> str:
     last = found.last
     low, high = _interval(last)
-    runs = len(found.rounds) + (
-        0 if found.rounds is found.coefficient_rounds else len(found.coefficient_rounds)
-    )
+    runs = len(found.rounds)
     what = [f"the wear law times {last.put_in.factor:.4g} ({low:.4g} to {high:.4g}, 90 %)"]
     for i, effect in enumerate(found.effects):
         says = SAYS.get(effect.name) or f"a factor that follows {effect.quantity}, as a curve"
@@ -104,7 +102,7 @@ def _changed(found: Improvement) -> str:
             if p.interval
         ]
         what.append(f"{says} [{effect.name}: {', '.join(shown)}]")
-    return f"After {runs} coupled runs the case has {in_words(what)}."
+    return f"After {runs} coupled run{'s' if runs > 1 else ''} the case has {in_words(what)}."
 
 
 def _left(found: Improvement) -> str:
@@ -130,9 +128,6 @@ def _parameters(found: Improvement, place: int) -> dict[str, Any]:
 
 def improvement_values(found: Improvement, case: Path) -> dict[str, Any]:
     """The improvement as `improved.json` has it."""
-    both = [("coefficient", found.coefficient_rounds)]
-    if found.rounds is not found.coefficient_rounds:
-        both.append(("effects", found.rounds))
     return {
         "verdict": found.diagnosis.verdict,
         "factor": {"value": found.last.put_in.factor, "interval": _interval(found.last), "unit": "-"},
@@ -146,14 +141,12 @@ def improvement_values(found: Improvement, case: Path) -> dict[str, Any]:
         "agreed": found.agreed,
         "rounds": [
             {
-                "with": name,
                 "run": one.run,
                 "factor_of_the_run": one.put_in.factor,
                 "factor_by_the_readings": one.told.factor,
                 "largest_change_in_standard_deviations": one.change,
             }
-            for name, rounds in both
-            for one in rounds
+            for one in found.rounds
         ],
         "heldout": found.diagnosis.heldout,
         "what_is_left": found.again

@@ -32,10 +32,11 @@ def live(case: LifeCase, run: Path, quiet: bool = False) -> History:
     done = cycles_of(run)
     state = read_cycle(run, done)[0] if done else first_state(case)
     times = [service_time_of(run, number) for number in range(1, done + 1)]
-    started = time.monotonic()
+    started = None  # after the first cycle, which may have compiled
     with _interrupted() as stop:
         while not state.ended:
             state, report = _one(case, state, run, quiet, times)
+            started = started or time.monotonic()
             print(line(report, case, time.monotonic() - started, state, done), flush=True)
             if stop.is_set() and not state.ended:
                 print(f"stopped after cycle {state.cycle}; go on with: wearfem resume {run}", flush=True)
@@ -70,7 +71,7 @@ def line(report: CycleReport, case: LifeCase, elapsed: float, state: State, resu
     report, case, state
         Of the cycle, and after it.
     elapsed
-        [s] that this process has run.
+        [s] that this process has run since its first cycle.
     resumed
         Cycles that were done before it began.
     """

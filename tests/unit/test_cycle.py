@@ -28,6 +28,7 @@ from wearfem.liner.support import Fixed
 from wearfem.loads import in_one_block, in_sequence, on_facets, without_classes
 from wearfem.material import Material
 from wearfem.proofs.cycle import differences, whole_life
+from wearfem.proofs.cycle import plate as wearing_plate
 from wearfem.surface import Surface
 from wearfem.wear.effects import Overlay
 from wearfem.wear.jump import Goal, Jump
@@ -315,3 +316,10 @@ def test_a_model_without_the_worn_face_is_refused():
         Particles(model).sample(
             Flow(spheres(np.zeros((0, 3)), 0.0, 1.0)), wear_surface(plate()), Window(1e-5)
         )
+
+
+def test_a_stop_that_shortens_the_first_jump_does_not_end_the_life_for_noise():
+    """The first sample is as long as the jump after it needs, and that jump ends at the stop; with this seed a life ended in cycle 1."""
+    case, _ = wearing_plate(law="constant", seed=19, cells=1)
+    state, report = cycle(replace(case, stop=Stop(3e6)), first_state(case))
+    assert report.jump.limited_by != "noise" and report.jump.duration > 0.0 and not state.ended

@@ -143,7 +143,7 @@ def gradient_claims(done: Improvement, made: Plant) -> Iterator[Claim]:
     unseen = f"error on {done.diagnosis.heldout.readings} readings never fitted"
     before = {
         "straight line per point": done.diagnosis.straight_line,
-        "coefficient alone, coupled run": done.coefficient_alone,
+        "coefficient alone": done.coefficient_alone,
         "diagnosed along the run as given, not repeated": done.diagnosis.improved,
     }
     for name, score in before.items():
