@@ -1,6 +1,6 @@
 """How often forecasts hold: 336 lives whose end is known, written to docs/forecast.json, which the pages print. Some minutes.
 
-python docs/make_forecast.py [--lives 336] [--first 80000]
+python docs/make_forecast.py [--lives 336] [--first 90000]
 
 `--first` is the first seed: take one that nothing was developed on. Kinds, noises and parts of the life at which it is foretold are those
 of `wearfem.proofs.forecast`.
@@ -40,7 +40,7 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--lives", type=int, default=336)
-    parser.add_argument("--first", type=int, default=80000)
+    parser.add_argument("--first", type=int, default=90000)
     wish = parser.parse_args()
     found = [asdict(one) for one in told(wish.lives, wish.first)]
     RESULTS.write_text(

@@ -18,7 +18,7 @@ from itertools import product
 import numpy as np
 from scipy.linalg import eigh
 
-from wearfem.wear.sampling import Sample, statistical_inefficiency
+from wearfem.wear.sampling import Sample, inefficiency, lag_products
 
 STAYS = 0.5  # probability, before anything is sampled, that a rate stays as it is
 SLOPES = (0.1, 0.3, 1.0, 3.0)  # [-] of ln r over a life where it does not: from hardly any to a factor 20
@@ -240,11 +240,9 @@ class Noise:
             sample.rate[:, facet] / np.where(sample.mean[facet] > 0.0, sample.mean[facet], 1.0) - one[:, None]
             for sample, one in zip(samples, together, strict=True)
         ]
-        # of one short series the memory is sometimes told many times too long: the middle one of all samples stands for all
-        memory, memory_apart = (
-            float(np.median([statistical_inefficiency(one) for one in series]))
-            for series in (together, apart)
-        )
+        # one short series hides its memory, and now and then tells it many times too long: all of them together do not
+        memory = inefficiency([lag_products(one[:, None]) for one in together])
+        memory_apart = inefficiency([lag_products(others) for others in apart])
         zone, ratio, freedom = 0.0, np.zeros((len(facet), len(facet))), 0.0
         whole = sum(sample.window for sample in samples)
         for sample, one, others in zip(samples, together, apart, strict=True):
