@@ -16,7 +16,17 @@ from wearfem.cli import wearfem
 from wearfem.errors import UserError
 from wearfem.exposure import exposed_by_run
 from wearfem.improve import improve
-from wearfem.proofs.closed_loop import CHUTE, FACTOR, HIDDEN, PLATE, SMALL, closed, plant, shape_claims
+from wearfem.proofs.closed_loop import (
+    CHUTE,
+    FACTOR,
+    HIDDEN,
+    PLATE,
+    SMALL,
+    closed,
+    plant,
+    shape_claims,
+    shape_only,
+)
 from wearfem.survey.candidates import candidates
 from wearfem.survey.identify import readings
 from wearfem.survey.survey import read_survey
@@ -195,6 +205,15 @@ def test_the_shipped_survey_is_that_of_the_plant(tmp_path):
         made.survey.point_names,
         made.survey.progress.tolist(),
     )
+
+
+def test_what_careful_work_leaves_is_told_where_it_is_more_than_the_gauge(tmp_path):
+    """A run that kept its shape errs by several gauge errors, smoothly over place; that must not pass for noise without a word"""
+    frozen = shape_only(tmp_path, 22, frozen=True)
+    assert frozen.baseline.heldout_rmse > 3.0 * frozen.noise_floor
+    (note,) = [note for note in frozen.notes if "the rate is off by" in note]
+    share = frozen.choice.best.spread.smooth
+    assert f"{100 * share:.1f} %, smoothly from place to place" in note
 
 
 @pytest.mark.slow

@@ -440,6 +440,16 @@ def _notes(choice: Choice, data: Readings) -> list[str]:
         notes.append(
             f"the rate is off by {100 * spread.smooth:.0f} %, smoothly from place to place, and no column says why"
         )
+    for share, how in (
+        (spread.scatter, "each place by itself"),
+        (spread.smooth, "smoothly from place to place"),
+    ):
+        gauges = share * data.deepest / spread.gauge
+        if gauges > 1.0 and share <= EVEN_SCATTER:
+            notes.append(
+                f"the rate is off by {100 * share:.1f} %, {how}: no more than careful work leaves, but {gauges:.1f} times the gauge where "
+                "the wear is deepest, and so in the errors above; no effect explains it better"
+            )
     if data.past.warped.shape[1] and spread.warp > 0.5 * spread.gauge:
         notes.append(
             "readings that lie side by side err alike in a campaign (a scan that is bent, a warm plate); that is taken into account"
