@@ -132,14 +132,9 @@ def inside(found: list[Told]) -> float:
 
 
 def claims(lives: int = 42, equal: int = 6) -> Iterator[Claim]:
-    """A few lives of each kind; `everything` does 336."""
+    """A few lives of each kind; the slow tests do 336."""
     yield from coverage(told(lives))
     yield from equal_facets(equal)
-
-
-def everything() -> Iterator[Claim]:
-    """The same for 336 lives and 30 plates of equal facets: some minutes"""
-    yield from claims(336, 30)
 
 
 def with_particles(
