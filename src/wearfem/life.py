@@ -32,6 +32,8 @@ def live(case: LifeCase, run: Path, quiet: bool = False) -> History:
     done = cycles_of(run)
     state = read_cycle(run, done)[0] if done else first_state(case)
     times = [service_time_of(run, number) for number in range(1, done + 1)]
+    if done:
+        write_series(run, times)  # a kill may have come between the last cycle and its list
     started = None  # after the first cycle, which may have compiled
     with _interrupted() as stop:
         while not state.ended:

@@ -18,6 +18,7 @@ import pytest
 from wearfem.case import load_any_case
 from wearfem.cycle import cycle, first_state
 from wearfem.history import cycles_of, read_cycle, read_history
+from wearfem.life import live
 from wearfem.proofs.cycle import differences, plate, restart
 
 ROOT = Path(__file__).parents[2]
@@ -85,6 +86,14 @@ def killed(run, kills, seed):
         whole.append(cycles_of(run))
         command = resume(run)
     return whole
+
+
+def test_a_kill_between_the_last_cycle_and_the_list_of_faces_loses_nothing(unbroken, tmp_path):
+    run, series = tmp_path / "run", "surface.vtkhdf.series"
+    shutil.copytree(unbroken, run)
+    (run / series).unlink()
+    live(load_any_case(CASE, {"cells": 4, "jumps": 20}), run, quiet=True)
+    assert (run / series).read_text() == (unbroken / series).read_text()
 
 
 def test_five_kills(unbroken, tmp_path):
