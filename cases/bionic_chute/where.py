@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 from scipy.stats import t as student
 
+from wearfem import __version__
 from wearfem.case import Window, load_any_case
 from wearfem.history import cycles_of, read_cycle
 from wearfem.liner.liner import Liner, wear_surface
@@ -102,7 +103,8 @@ def main() -> None:
     for name, mesh in faces(given.run).items():
         wear[name] = measured(mesh)
         print(f"{name}: {1e10 * np.mean(wear[name]):.3f}e-10 m3/s", flush=True)
-    RESULTS.write_text(json.dumps({"wear": wear, "relief": relief(given.run)}, indent=1) + "\n")
+    told = {"version": __version__, "wear": wear, "relief": relief(given.run)}
+    RESULTS.write_text(json.dumps(told, indent=1) + "\n")
     print(table())
 
 

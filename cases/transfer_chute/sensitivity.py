@@ -19,6 +19,7 @@ import numpy as np
 
 from wearfem.case import LifeCase, Window, load_any_case, parts_of
 from wearfem.convergence import converged
+from wearfem.cycle import Particles
 from wearfem.dem.sample import sample
 from wearfem.liner.liner import Liner, wear_surface
 from wearfem.wear.sampling import standard_error
@@ -38,7 +39,8 @@ def load_distance(seconds: float, file: Path | None) -> np.ndarray:
     case = load_any_case(CASE, ORE | {"mesh_size": FINEST})
     assert isinstance(case, LifeCase)
     surface = wear_surface(case.liner)
-    model = case.sampler.model(surface)  # type: ignore[attr-defined]
+    assert isinstance(case.sampler, Particles)
+    model = case.sampler.model(surface)
     flow, _, _ = sample(case.flow, model, Window(case.warm_up))
     _, loads, _ = sample(flow, model, Window(seconds, round(seconds / 0.05)))
     rate = loads.load_distance / loads.duration[:, None]

@@ -16,6 +16,7 @@ from wearfem.life import words
 from wearfem.liner.mesh import WEAR, LinerMesh, find_facets
 from wearfem.record import file_hash
 from wearfem.wear.jump import Goal, Life, end_of_life
+from wearfem.wear.sampling import passage
 
 REST = "rest of the worn face"
 UNEXPLAINED = 0.2  # of the first thickness, by which a facet may measure thinner than its wear explains, as curved faces do
@@ -138,13 +139,15 @@ def corrected_volume(history: History) -> np.ndarray:
 def thickness_at(history: History, time: float) -> np.ndarray:
     """(f,) [m] left at a service time [s], NaN where none is measured.
 
-    Between the cycles n and n + 1, D apart, with s of it gone, the rate goes in a straight line, as in the end of life:
+    Between the shapes n and n + 1, through which the liner came D apart (`passage`), with s of it gone, the rate goes in a straight line, as
+    in the end of life:
 
         h = h_n + (h_n+1 - h_n) s / D + (r_n+1 - r_n) s (D - s) / (2 D)
 
     Beyond the last cycle the last rate is taken to stay.
     """
-    left, rate, served = corrected_thickness(history), history.rate, history.service_time
+    rate, (served, _) = history.rate, passage(history.samples)
+    left = corrected_thickness(history) + (history.service_time - served)[:, None] * rate
     if time >= served[-1]:
         return np.maximum(left[-1] - rate[-1] * (time - served[-1]), 0.0)
     after = max(int(np.searchsorted(served, time, side="right")), 1)

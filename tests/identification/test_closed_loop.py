@@ -175,7 +175,7 @@ MISSED = "a layer looks like a gradient through the smoothing of the rate, and t
 
 
 @pytest.mark.parametrize(
-    "hidden", ["hardness_gradient", pytest.param("case_hardened", marks=pytest.mark.xfail(reason=MISSED, strict=True))]
+    "hidden", ["hardness_gradient", "ore_change", pytest.param("case_hardened", marks=pytest.mark.xfail(reason=MISSED, strict=True))]
 )  # fmt: skip
 def test_the_loop_closed_on_the_chute(hidden):
     """What the script has written; the next test does one of them anew"""

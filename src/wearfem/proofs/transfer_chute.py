@@ -10,6 +10,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from wearfem.case import LifeCase, Window, load_any_case, parts_of
+from wearfem.cycle import Particles
 from wearfem.dem.flow import Flow
 from wearfem.dem.particles import spheres
 from wearfem.dem.sample import sample
@@ -94,7 +95,8 @@ def slid(mesh_size: float, radius: float, first: float) -> tuple[float, float]:
     """Speed [m/s] at the end of zone 2 and wear [m3] of zone 2 by a ball that begins to slide before it at `first` [m/s]"""
     case, zone = chute_case(mesh_size=mesh_size, **SLIDING), zone_2()
     surface = wear_surface(case.liner)
-    model = case.sampler.model(surface)  # type: ignore[attr-defined]
+    assert isinstance(case.sampler, Particles)
+    model = case.sampler.model(surface)
     path = zone.shape.radius - radius
     place = np.array([[-path * cos(START), 0.035, -path * sin(START)]])
     ball = spheres(

@@ -36,7 +36,7 @@ BOOK_PRIOR = 0.02  # [-] and of the error of the tonnage book in an interval
 OFFSET_PRIOR = 1.0  # [gauge errors] and of zero errors and new thicknesses
 GAUGE_PRIOR = 0.15  # [-] standard deviation of the logarithm of the gauge error about what was given
 GUESS_PRIOR = 0.7  # the same about a guess
-FREE = 1e3  # [gauge errors] standard deviation of a new thickness that only readings tell
+FREE = 1e3  # [gauge errors] standard deviation of the mean new thickness where only readings tell it
 SAMPLING = 10  # group of the run's own sampling
 KNOWN = 1.0  # [-] standard deviation of what has its size in its columns
 LEAST_SHARE = 1e-3  # of a prior's mean: what counts as zero
@@ -51,7 +51,7 @@ class Spread:
     gauge
         [SI unit of the reading] of one reading.
     zero, initial
-        [same] of the zero error of a campaign, and of a plate's new thickness about what is told.
+        [same] of the zero error of a campaign, and of a plate's new thickness about what is told, or about the mean of all plates.
     scatter, book, scale
         [-] of the rate between places, of the tonnage book's error in an interval, and of a campaign's error in proportion to wear.
     smooth
@@ -81,9 +81,9 @@ class Disturbance:
     """How nuisances enter the readings: (n, q) columns, and which standard deviation each has.
 
     `weight` (n,) is the variance of a reading over gauge squared; `group` (q,) is 0 zero error, 1 new thickness, 2 scatter, 3 book, 4
-    free new thickness (of a life, or common to all, with the number of lives for a label), 5 a campaign's error in proportion, 6 smooth
-    error of the rate, 7 of a campaign, 8 shift, 9 bend, 10 the run's own sampling; `label` (q,) the occasion, life, interval, function,
-    axis or mode.
+    mean new thickness of all plates where only readings tell it (its label: the number of lives), 5 a campaign's error in proportion, 6
+    smooth error of the rate, 7 of a campaign, 8 shift, 9 bend, 10 the run's own sampling; `label` (q,) the occasion, life, interval,
+    function, axis or mode.
     """
 
     column: np.ndarray
