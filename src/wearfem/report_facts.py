@@ -139,8 +139,8 @@ def corrected_volume(history: History) -> np.ndarray:
 def thickness_at(history: History, time: float) -> np.ndarray:
     """(f,) [m] left at a service time [s], NaN where none is measured.
 
-    Between the shapes n and n + 1, through which the liner came D apart (`passage`), with s of it gone, the rate goes in a straight line, as
-    in the end of life:
+    Between the shapes n and n + 1, through which the liner came D apart (`passage`), with s of it gone, the rate goes in a straight line,
+    as in the end of life:
 
         h = h_n + (h_n+1 - h_n) s / D + (r_n+1 - r_n) s (D - s) / (2 D)
 
