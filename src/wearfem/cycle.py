@@ -24,6 +24,7 @@ from wearfem.surface import Surface
 from wearfem.wear.budget import LEAST
 from wearfem.wear.effect import smoothed_with_effects
 from wearfem.wear.jump import Bounds, Goal, Jump, Life, choose_jump, end_of_life, is_trusted
+from wearfem.wear.metal import Metal
 from wearfem.wear.sampling import Sample, steady_from
 from wearfem.wear.smooth import filter_over
 
@@ -79,6 +80,7 @@ class Worn:
     receded: np.ndarray  # (f,) [m] by which the surface has been moved since the first sample
     allowed_depth: np.ndarray  # (f,) [m] since then, at which a facet is worn out
     samples: tuple[Sample, ...] = ()  # of all cycles that were kept
+    metal: Metal | None = None  # what the case knows of it
 
 
 @dataclass(frozen=True)
@@ -134,8 +136,9 @@ class CycleReport:
 
 def first_state(case: LifeCase) -> State:
     """Before the first cycle."""
-    depth = np.zeros(len(case.liner.mesh.wear))
-    return State(case.flow, Worn(case.liner, depth, np.asarray(case.goal.allowed_depth, float)))
+    receded, allowed = np.zeros(len(case.liner.mesh.wear)), np.asarray(case.goal.allowed_depth, float)
+    metal = Metal.known_by(case.effects, case.liner.depth, allowed)
+    return State(case.flow, Worn(case.liner, receded, allowed, metal=metal))
 
 
 def cycle(case: LifeCase, state: State, tell: Tell | None = None) -> tuple[State, CycleReport]:
@@ -345,7 +348,7 @@ def worn_to(
 
 def goal_of(case: LifeCase, worn: Worn, surface: Surface) -> Goal:
     """The case's goal on the present facets."""
-    return replace(case.goal, allowed_depth=worn.allowed_depth, area=surface.facet_area)
+    return replace(case.goal, allowed_depth=worn.allowed_depth, area=surface.facet_area, metal=worn.metal)
 
 
 def bounds_of(case: LifeCase, liner: Liner, surface: Surface) -> Bounds:
@@ -457,6 +460,7 @@ def _on_other_facets(worn: Worn, liner: Liner, carried: Callable[[np.ndarray], n
         receded=carried(worn.receded),
         allowed_depth=_inverse(carried(_inverse(worn.allowed_depth))),
         samples=tuple(_carried(sample, carried) for sample in worn.samples),
+        metal=worn.metal and replace(worn.metal, begun=carried(worn.metal.begun)),
     )
 
 

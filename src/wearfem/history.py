@@ -25,6 +25,7 @@ from wearfem.liner.liner import Liner, wear_surface
 from wearfem.record import hdf5_file, write_json, write_surface
 from wearfem.values import read_value, write_value
 from wearfem.wear.jump import Jump, Life
+from wearfem.wear.metal import Metal, in_plain_depths
 from wearfem.wear.sampling import Sample, corrected_depth
 
 CYCLES, SAMPLES, SERIES = "cycles", "samples", "surface.vtkhdf.series"
@@ -49,6 +50,7 @@ class History:
     least_reserve: np.ndarray  # (c,) [-]; not a number where strength was not asked
     worn_volume: np.ndarray  # (c,) [m3]
     allowed_depth: np.ndarray  # (f,) [m] since the first sample, at which a facet is worn out
+    metal: Metal | None  # what the case knows of it
     area: np.ndarray  # (f,) [m2]
     rejected: int  # cycles whose sample was not kept
     ended: str  # why the life ended; empty while it goes on
@@ -148,7 +150,7 @@ def history_of(state: State, reports: Sequence[CycleReport]) -> History:
         else:  # the jump that was chosen instead
             jump[-1], life[-1] = report.jump, report.life
     worn = state.now
-    gained = np.array([corrected_depth(worn.samples[: n + 1]) for n in range(len(told))])
+    gained = _gained(worn, len(told))
     strain = [report.strain for report in told]
     return History(
         service_time=np.array([report.service_time for report in told]),
@@ -166,12 +168,20 @@ def history_of(state: State, reports: Sequence[CycleReport]) -> History:
         least_reserve=np.array([one.least_reserve if one else np.nan for one in strain]),
         worn_volume=np.array([report.worn_volume for report in told]),
         allowed_depth=worn.allowed_depth,
+        metal=worn.metal,
         area=wear_surface(worn.liner).facet_area,
         rejected=len(reports) - len(told),
         ended=state.ended,
         reports=tuple(reports),
         state=state,
     )
+
+
+def _gained(worn: Worn, cycles: int) -> np.ndarray:
+    """(c, f) [m] worn off since the first sample at each service time, by the trapezoid rule over (plain) rates"""
+    samples, metal = in_plain_depths(worn.samples, worn.metal), worn.metal
+    plain = np.array([corrected_depth(samples[: n + 1]) for n in range(cycles)])
+    return plain if metal is None else metal.depth_of(plain)
 
 
 def _thickness(told: Sequence[CycleReport], worn: Worn, gained: np.ndarray) -> np.ndarray:

@@ -16,7 +16,8 @@ from wearfem.life import words
 from wearfem.liner.mesh import WEAR, LinerMesh, find_facets
 from wearfem.record import file_hash
 from wearfem.wear.jump import Goal, Life, end_of_life
-from wearfem.wear.sampling import passage
+from wearfem.wear.metal import in_plain_depths
+from wearfem.wear.sampling import depth_at, passage
 
 REST = "rest of the worn face"
 UNEXPLAINED = 0.2  # of the first thickness, by which a facet may measure thinner than its wear explains, as curved faces do
@@ -139,21 +140,16 @@ def corrected_volume(history: History) -> np.ndarray:
 def thickness_at(history: History, time: float) -> np.ndarray:
     """(f,) [m] left at a service time [s], NaN where none is measured.
 
-    Between the shapes n and n + 1, through which the liner came D apart (`passage`), with s of it gone, the rate goes in a straight line,
-    as in the end of life:
-
-        h = h_n + (h_n+1 - h_n) s / D + (r_n+1 - r_n) s (D - s) / (2 D)
-
-    Beyond the last cycle the last rate is taken to stay.
+    Thickness and depth together stay but for the geometry of measuring, a straight line between the shapes through which the liner came
+    (`passage`); the depth is that of the end of life. Beyond the last cycle what the flow does is taken to stay.
     """
-    rate, (served, _) = history.rate, passage(history.samples)
-    left = corrected_thickness(history) + (history.service_time - served)[:, None] * rate
-    if time >= served[-1]:
-        return np.maximum(left[-1] - rate[-1] * (time - served[-1]), 0.0)
-    after = max(int(np.searchsorted(served, time, side="right")), 1)
-    gone, step = time - served[after - 1], served[after] - served[after - 1]
-    straight = left[after - 1] + (left[after] - left[after - 1]) * gone / step
-    return straight + (rate[after] - rate[after - 1]) * gone * (step - gone) / (2.0 * step)
+    samples = in_plain_depths(history.samples, history.metal)
+    served, _ = passage(samples)
+    worn = depth_at(samples, time)
+    if history.metal is not None:
+        worn = history.metal.depth_of(worn)
+    whole = corrected_thickness(history) + history.depth - history.depth[0]
+    return np.maximum([np.interp(time, served, facet) for facet in whole.T] - worn, 0.0)
 
 
 def zones_of(mesh: LinerMesh) -> Mapping[str, np.ndarray]:
@@ -215,7 +211,8 @@ def _end_of_zone(history: History, facet: np.ndarray, confidence: float) -> End 
     judged = np.isfinite(allowed)
     if not (history.rate[-1][judged] > 0.0).any():
         return None
-    life = end_of_life(history.samples, Goal(allowed, history.area, confidence=confidence))
+    goal = Goal(allowed, history.area, confidence=confidence, metal=history.metal)
+    life = end_of_life(history.samples, goal)
     return end_of(life, history, -1, confidence)
 
 

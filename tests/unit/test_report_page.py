@@ -178,8 +178,10 @@ def test_thickness_at_end_of_life_is_the_limit():
         life = history.life[-1]
         left = thickness_at(history, life.time)[life.facet]
         # 20 mm of plate less the 10 mm allowed, and what wears in the bias of the jumps, which is taken off the life alone
-        behind = history.rate[-1][life.facet] * life.bias
-        assert left == pytest.approx(10 * mm + behind, abs=1e-12)  # m: rounding
+        metal, depth = history.metal, history.samples[-1].depth
+        flow = (history.rate[-1] / metal.factor(depth))[life.facet]
+        worn = metal.depth_of(metal.plain_of(np.full(len(depth), 10 * mm)) - flow * life.bias)
+        assert left == pytest.approx(20 * mm - worn[life.facet], abs=1e-12)  # m: rounding
 
 
 def _after(case, count):

@@ -55,6 +55,11 @@ def acts_on_the_flow(effect: Effect) -> bool:
     return any(name in FROM_LOADS for name in effect.needs)
 
 
+def acts_by_depth_alone(effect: Effect) -> bool:
+    """Whether an effect is a factor of the depth of a facet and of nothing else: what is known of the metal beforehand"""
+    return tuple(effect.needs) == ("depth",) and getattr(effect, "log", None) is None
+
+
 def smoothed_with_effects(
     rate: np.ndarray, effects: Sequence[Effect], loads: FacetLoads, liner: WornLiner, smooth: Smooth
 ) -> np.ndarray:

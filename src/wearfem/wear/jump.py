@@ -14,6 +14,8 @@ The scheme is a predictor-corrector pair spread over consecutive cycles, with on
 What the predictor was off by rides on the next jump and costs no accuracy. The bias of the trapezoid rule is second order and taken off in
 the end by the bends that were seen. Noise is not amplified: in the end each sample weighs as in the trapezoid rule.
 
+What a case knows of its metal by depth (`Goal.metal`) is taken out before: all of this is done in plain depths (`metal.py`).
+
 Functions take the samples so far and return values; a jump that is rejected is one whose last sample is not kept.
 The derivation is in docs/decisions/0006-how-long-a-sample-may-be-trusted.md.
 """
@@ -28,6 +30,7 @@ from wearfem.errors import UserError
 from wearfem.wear.budget import Plan, cheapest_plan
 from wearfem.wear.course import SURPRISE, Course, kept, time_to_wear
 from wearfem.wear.first_failure import without_noise
+from wearfem.wear.metal import Metal, in_plain_depths
 from wearfem.wear.sampling import Sample, corrected_depth, passage, statistical_inefficiency
 
 LARGEST_GROWTH = 2.0  # a jump over the one before: Adams-Bashforth 2 is zero-stable below 1 + sqrt(2)
@@ -43,7 +46,7 @@ class Bounds:
     """
 
     edge_length: np.ndarray | float = np.inf  # (f,) [m]
-    particle_radius: float = np.inf  # [m] of the smallest particle
+    particle_radius: np.ndarray | float = np.inf  # [m] of the smallest particle
     curvature: np.ndarray | float = 0.0  # (f,) [1/m] largest absolute
     part: float = 0.25  # [-]
 
@@ -56,6 +59,21 @@ class Bounds:
         }
         return {name: _inverse(np.max(value) / self.part) for name, value in per_second.items()}
 
+    def plain(self, metal: Metal, depth: np.ndarray) -> "Bounds":
+        """The bounds in plain depths, of a surface that has receded by `depth` (f,) [m]"""
+
+        def ahead(length: np.ndarray | float) -> np.ndarray:
+            return (metal.plain_of(depth + self.part * length) - metal.plain_of(depth)) / self.part
+
+        with np.errstate(divide="ignore"):
+            radius_of_curvature = 1.0 / np.asarray(self.curvature)
+        return replace(
+            self,
+            edge_length=ahead(self.edge_length),
+            particle_radius=ahead(self.particle_radius),
+            curvature=1.0 / ahead(radius_of_curvature),
+        )
+
 
 @dataclass(frozen=True)
 class Goal:
@@ -65,6 +83,7 @@ class Goal:
     area: np.ndarray | float = 1.0  # (f,) [m2]
     tolerance: float = 0.02  # [-]
     confidence: float = 0.9  # [-]
+    metal: Metal | None = None  # what is known of the way there beforehand
 
     def __post_init__(self) -> None:
         if not 0.0 < self.tolerance < 1.0 or not 0.0 < self.confidence < 1.0:
@@ -80,6 +99,13 @@ class Goal:
     def deviations(self) -> float:
         """Standard deviations within which a normal error lies with `confidence`"""
         return NormalDist().inv_cdf(0.5 + 0.5 * self.confidence)
+
+    @property
+    def plain(self) -> "Goal":
+        """The goal in plain depths, with nothing left that is known of the metal"""
+        if self.metal is None:
+            return self
+        return replace(self, allowed_depth=self.metal.plain_of(self.allowed_depth), metal=None)
 
 
 @dataclass(frozen=True)
@@ -144,6 +170,8 @@ def choose_jump(
     The bias of a jump D is D^3 r'' / (12 r), r'' from the samples with its sampling variance subtracted. The part of the tolerance
     that bias may use is the one that makes warm-ups and samples together cheapest (`_cheapest_share`).
     """
+    if goal.metal is not None:
+        return _through_the_metal(goal.metal, samples, depth, goal, bounds or Bounds(), at_most, stop)
     now, cycles = samples[-1], len(samples)
     course = Course.along(samples, goal)
     ahead = corrected_depth(samples) - depth
@@ -191,7 +219,7 @@ def is_trusted(samples: Sequence[Sample], goal: Goal) -> bool:
     """
     if len(samples) < 3:
         return True
-    course = Course.along(samples, goal)
+    course = Course.along(in_plain_depths(samples, goal.metal), goal.plain)
     plan = _plan(course, goal, np.inf)
     surprise, noise = course.surprise(len(samples) - 1)
     variance = (SURPRISE * max(abs(surprise) - 3.0 * noise, 0.0)) ** 2
@@ -206,6 +234,7 @@ def end_of_life(samples: Sequence[Sample], goal: Goal) -> Life:
 
     The trapezoid rule over the rates at the shapes that the liner came through, less the bias that the bends of the rate tell of it.
     """
+    samples, goal = in_plain_depths(samples, goal.metal), goal.plain
     course = Course.along(samples, goal)
     when, worn = passage(samples)
     time = np.full(worn.shape[1], np.inf)
@@ -231,6 +260,25 @@ def end_of_life(samples: Sequence[Sample], goal: Goal) -> Life:
     return Life(
         float(lives.time[facet]) - course.spent_bias, facet, course.spent_bias, float(np.sqrt(variance))
     )
+
+
+def _through_the_metal(
+    metal: Metal,
+    samples: Sequence[Sample],
+    depth: np.ndarray,
+    goal: Goal,
+    bounds: Bounds,
+    at_most: float,
+    stop: float,
+) -> Jump:
+    """The jump as it is chosen in plain depths, in metres that wear."""
+    plain = metal.plain_of(depth)
+    jump = choose_jump(
+        in_plain_depths(samples, metal), plain, goal.plain, bounds.plain(metal, depth), at_most, stop
+    )
+    recession = np.maximum(metal.depth_of(plain + jump.recession) - depth, 0.0)
+    factor = recession.max() / jump.recession.max() if recession.any() else 1.0
+    return replace(jump, recession=recession, expected_error=float(factor * jump.expected_error))
 
 
 def _plan(course: Course, goal: Goal, longest: float) -> Plan:

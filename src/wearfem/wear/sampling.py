@@ -102,6 +102,18 @@ def corrected_depth(samples: Sequence[Sample]) -> np.ndarray:
     return depth[-1] + (samples[-1].service_time - time[-1]) * samples[-1].mean
 
 
+def depth_at(samples: Sequence[Sample], time: float) -> np.ndarray:
+    """(f,) [m] worn off since the first sample at a service time [s], the rate a straight line between the shapes that the liner came
+    through; beyond the last one its rate is taken to stay.
+    """
+    when, depth = passage(samples)
+    last = int(np.clip(np.searchsorted(when, time, side="right") - 1, 0, len(when) - 1))
+    before, gone = samples[last].mean, time - when[last]
+    change = samples[min(last + 1, len(samples) - 1)].mean - before
+    step = when[last + 1] - when[last] if last + 1 < len(when) else np.inf
+    return depth[last] + gone * (before + 0.5 * change * gone / step)
+
+
 @dataclass(frozen=True)
 class Measured:
     """A mean and its standard error, both in one unit."""
