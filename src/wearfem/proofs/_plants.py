@@ -9,6 +9,7 @@ from scipy.signal import lfilter
 
 from wearfem.wear.budget import LEAST
 from wearfem.wear.jump import Bounds, Goal, Jump, Life, choose_jump, end_of_life, is_trusted
+from wearfem.wear.metal import Metal
 from wearfem.wear.sampling import Sample, steady_from
 
 RATE = 1e-9  # [m/s] about 0.1 mm a day
@@ -29,11 +30,20 @@ class Plant:
     memory: float = 0.0  # [-] correlation of one block with the next
     delay: float = 0.0  # [s] in which the flow forgets most (1 - 1/e) of the old geometry
     spread: np.ndarray = field(default_factory=lambda: np.zeros(0))  # (f, f) smoothing of the noise
+    metal: Metal | None = None  # what a case would know of the law
 
     @property
     def goal(self) -> Goal:
         """Every facet may lose 10 mm"""
-        return Goal(np.full(self.facets, ALLOWED))
+        return Goal(np.full(self.facets, ALLOWED), metal=self.metal)
+
+    def without_metal(self, rate: np.ndarray, depth: np.ndarray) -> np.ndarray:
+        """(f,) [m/s] of plain depth"""
+        return rate / self.metal.factor(depth) if self.metal else rate
+
+    def depth_of(self, plain: np.ndarray) -> np.ndarray:
+        """(f,) [m] of plain depth"""
+        return self.metal.depth_of(plain) if self.metal else plain
 
     @property
     def noise_density(self) -> float:
@@ -128,27 +138,30 @@ def by_multiplier(plant: Plant, multiplier: float, seed: int = 0) -> Lived:
     """A constant multiplier on the wear while the flow goes on, as the vendors do: no warm-up but the first, no jumps."""
     flow = Flow.start(plant, seed)
     flow.blocks(np.zeros(plant.facets), int(np.ceil(5.0 * plant.delay / BLOCK)))
-    depth, time = np.zeros(plant.facets), 0.0
+    plain, time, allowed = np.zeros(plant.facets), 0.0, plant.goal.plain.allowed_depth
     while True:
-        rate = flow.blocks(depth, 1)[0]
-        left = float(((ALLOWED - depth) / np.maximum(rate, 1e-30)).min())
+        depth = plant.depth_of(plain)
+        rate = plant.without_metal(flow.blocks(depth, 1)[0], depth)
+        left = float(((allowed - plain) / np.maximum(rate, 1e-30)).min())
         if left <= multiplier * BLOCK:
             return Lived(time + left, flow.time, 1)
-        depth = depth + multiplier * BLOCK * np.maximum(rate, 0.0)
+        plain = plain + multiplier * BLOCK * np.maximum(rate, 0.0)
         time += multiplier * BLOCK
 
 
 def by_equal_jumps(plant: Plant, multiplier: float, window: float, seed: int = 0) -> Lived:
     """Samples of one length, each followed by a jump `multiplier` times as long (Euler); the warm-up is known beforehand."""
-    flow, depth, time, cycles = Flow.start(plant, seed), np.zeros(plant.facets), 0.0, 0
+    flow, plain, time, cycles = Flow.start(plant, seed), np.zeros(plant.facets), 0.0, 0
+    allowed = plant.goal.plain.allowed_depth
     while True:
+        depth = plant.depth_of(plain)
         flow.blocks(depth, int(np.ceil(5.0 * plant.delay / BLOCK)))
-        rate = flow.blocks(depth, int(np.ceil(window / BLOCK))).mean(axis=0)
+        rate = plant.without_metal(flow.blocks(depth, int(np.ceil(window / BLOCK))).mean(axis=0), depth)
         cycles += 1
-        left = float(((ALLOWED - depth) / np.maximum(rate, 1e-30)).min())
+        left = float(((allowed - plain) / np.maximum(rate, 1e-30)).min())
         if left <= multiplier * window:
             return Lived(time + left, flow.time, cycles)
-        depth = depth + multiplier * window * np.maximum(rate, 0.0)
+        plain = plain + multiplier * window * np.maximum(rate, 0.0)
         time += multiplier * window
 
 
@@ -230,6 +243,12 @@ def field_with_feedback(facets: int = 200) -> Plant:
 def _smoothing(x: np.ndarray, length: float) -> np.ndarray:
     weight = np.exp(-0.5 * ((x[:, None] - x) / length) ** 2)
     return weight / weight.sum(axis=1, keepdims=True)
+
+
+def known(plant: Plant) -> Plant:
+    """The plant whose law is one of its metal, and told by the case: of an even flow nothing is left to be learnt."""
+    metal = Metal.through(lambda depth: plant.law(depth) / RATE, 2.0 * ALLOWED, np.zeros(plant.facets))
+    return replace(plant, name=f"{plant.name}, known", metal=metal)
 
 
 def seen_through_noise(plant: Plant, noise: float = 0.3, memory: float = 0.5, delay: float = 1.0) -> Plant:
