@@ -134,35 +134,47 @@ def by_jumps(
         geometry.append(geometry[-1] + jump.recession)
 
 
-def by_multiplier(plant: Plant, multiplier: float, seed: int = 0) -> Lived:
-    """A constant multiplier on the wear while the flow goes on, as the vendors do: no warm-up but the first, no jumps."""
-    flow = Flow.start(plant, seed)
-    flow.blocks(np.zeros(plant.facets), int(np.ceil(5.0 * plant.delay / BLOCK)))
-    plain, time, allowed = np.zeros(plant.facets), 0.0, plant.goal.plain.allowed_depth
-    while True:
-        depth = plant.depth_of(plain)
-        rate = plant.without_metal(flow.blocks(depth, 1)[0], depth)
-        left = float(((allowed - plain) / np.maximum(rate, 1e-30)).min())
-        if left <= multiplier * BLOCK:
-            return Lived(time + left, flow.time, 1)
-        plain = plain + multiplier * BLOCK * np.maximum(rate, 0.0)
-        time += multiplier * BLOCK
+def by_multiplier(plant: Plant, multiplier: float, lives: int, seed: int = 0) -> list[Lived]:
+    """A constant multiplier on the wear while the flow goes on, as the vendors do: no warm-up but the first, no jumps.
+
+    Many lives of a plant of one facet at once, each with noise of its own. Whoever knows the metal multiplies plain depths.
+    """
+    flow = _many(plant, lives, seed)
+    flow.blocks(np.zeros(lives), int(np.ceil(5.0 * plant.delay / BLOCK)))
+    return _multiplied(plant, flow, multiplier * BLOCK, lambda depth: flow.blocks(depth, 1)[0])
 
 
-def by_equal_jumps(plant: Plant, multiplier: float, window: float, seed: int = 0) -> Lived:
+def by_equal_jumps(plant: Plant, multiplier: float, window: float, lives: int, seed: int = 0) -> list[Lived]:
     """Samples of one length, each followed by a jump `multiplier` times as long (Euler); the warm-up is known beforehand."""
-    flow, plain, time, cycles = Flow.start(plant, seed), np.zeros(plant.facets), 0.0, 0
-    allowed = plant.goal.plain.allowed_depth
-    while True:
-        depth = plant.depth_of(plain)
+    flow = _many(plant, lives, seed)
+
+    def sampled(depth: np.ndarray) -> np.ndarray:
         flow.blocks(depth, int(np.ceil(5.0 * plant.delay / BLOCK)))
-        rate = plant.without_metal(flow.blocks(depth, int(np.ceil(window / BLOCK))).mean(axis=0), depth)
-        cycles += 1
-        left = float(((allowed - plain) / np.maximum(rate, 1e-30)).min())
-        if left <= multiplier * window:
-            return Lived(time + left, flow.time, cycles)
-        plain = plain + multiplier * window * np.maximum(rate, 0.0)
-        time += multiplier * window
+        return flow.blocks(depth, int(np.ceil(window / BLOCK))).mean(axis=0)
+
+    return _multiplied(plant, flow, multiplier * window, sampled)
+
+
+def _many(plant: Plant, lives: int, seed: int) -> Flow:
+    """The flows of many lives: to the noise they are as many facets"""
+    assert plant.facets == 1
+    return Flow.start(replace(plant, facets=lives), seed)
+
+
+def _multiplied(
+    plant: Plant, flow: Flow, step: float, sampled: Callable[[np.ndarray], np.ndarray]
+) -> list[Lived]:
+    """Lives in steps of service time [s], each at the rate sampled before it"""
+    lives = flow.plant.facets
+    plain, life, cost, cycles = np.zeros(lives), np.full(lives, np.nan), np.zeros(lives), 0
+    allowed = plant.goal.plain.allowed_depth
+    while np.isnan(life).any():
+        depth = plant.depth_of(plain)
+        rate = np.maximum(plant.without_metal(sampled(depth), depth), 1e-30)
+        ends = np.isnan(life) & ((left := (allowed - plain) / rate) <= step)
+        life[ends], cost[ends] = (cycles * step + left)[ends], flow.time
+        plain, cycles = np.minimum(plain + step * rate, allowed), cycles + 1
+    return [Lived(*one, cycles) for one in zip(life.tolist(), cost.tolist(), strict=True)]
 
 
 def growing(decades: float = 0.5) -> Plant:
@@ -219,6 +231,13 @@ def beyond_threshold(start: float = 0.5, part: float = 3.0) -> Plant:
 def alike(facets: int = 64) -> Plant:
     """A plate that wears evenly, each facet with noise of its own"""
     return Plant("equal facets", lambda depth: np.full(facets, RATE), ALLOWED / RATE, facets)
+
+
+def nearly_alike(spread: float, seed: int, facets: int = 64) -> Plant:
+    """A plate whose facets wear at rates that scatter by a small part of them, each facet with noise of its own"""
+    rate = RATE * np.exp(spread * np.random.default_rng([seed, facets]).normal(size=facets))
+    name = f"facets that differ by {spread:.0%}"
+    return Plant(name, lambda depth: rate.copy(), ALLOWED / float(rate.max()), facets)
 
 
 def field_with_feedback(facets: int = 200) -> Plant:
