@@ -21,6 +21,7 @@ from wearfem.case import LifeCase, Window, load_any_case, parts_of
 from wearfem.convergence import converged
 from wearfem.cycle import Particles
 from wearfem.dem.sample import sample
+from wearfem.errors import UserError, in_a_sentence
 from wearfem.liner.liner import Liner, wear_surface
 from wearfem.wear.sampling import standard_error
 from wearfem.wear.smooth import HelmholtzFilter
@@ -35,7 +36,12 @@ LENGTHS = (0.0, 10e-3, 20e-3, 30e-3, 40e-3, 60e-3, 80e-3)  # [m]
 def load_distance(seconds: float, file: Path | None) -> np.ndarray:
     """(b, f) [N m/s] of facets in a row down the chute, by block"""
     if file and file.exists():
-        return np.load(file)["load_distance"]
+        try:
+            return np.load(file)["load_distance"]
+        except (OSError, ValueError, KeyError, IndexError) as error:
+            raise UserError(
+                f"{file} cannot be read ({error}): give --loads a file that this script has written, or a new one"
+            ) from error
     case = load_any_case(CASE, ORE | {"mesh_size": FINEST})
     assert isinstance(case, LifeCase)
     surface = wear_surface(case.liner)
@@ -109,4 +115,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    with in_a_sentence(__file__):
+        main()

@@ -19,6 +19,7 @@ from typing import Any
 from wearfem import __version__
 from wearfem.case import LifeCase, load_any_case, parts_of
 from wearfem.dem.flow import Flow
+from wearfem.errors import in_a_sentence
 from wearfem.history import read_history
 from wearfem.liner.liner import Liner
 from wearfem.proofs.transfer_chute import watched
@@ -203,4 +204,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    with in_a_sentence(__file__):
+        main()
