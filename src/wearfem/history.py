@@ -79,7 +79,10 @@ class Computing:
         """In a line; empty where there is no later cycle"""
         if not np.isfinite(self.outside):
             return ""
-        return f"computing: {clock(self.total)} in cycles; outside the flow {100.0 * self.outside:.2g} % of it, the first cycle left out"
+        return (
+            f"computing: {clock(self.total)} in cycles; all but the flow (rates, jumps, mesh, strength, files) took "
+            f"{100.0 * self.outside:.2g} % of it, the first cycle left out"
+        )
 
 
 def computing_of(run: Path) -> Computing:
