@@ -54,6 +54,7 @@ NEW, WORN = "new", "worn"  # rows of the chute at the end of a life
 WEAR = tuple(f"zone {zone} [1e-10 m3/s]" for zone in (1, 2, 3))
 OVER, SLIP = "zone 2 over closed form [-]", "sliding over stream speed [-]"
 PRESSED, ENTRY = "normal force over closed form [-]", "entry speed [m/s]"
+EXIT = "exit speed over closed form [-]"
 
 
 def told(
@@ -74,7 +75,7 @@ def told(
         OVER: (seen.wear[1].over(closed.wear), 1.0),
         SLIP: (passage.slip, 1.0),
         PRESSED: (passage.normal_force.over(closed.normal_force), 1.0),
-        "exit speed over closed form [-]": (passage.exit_speed.over(closed.exit_speed), 1.0),
+        EXIT: (passage.exit_speed.over(closed.exit_speed), 1.0),
         "mu_e [-]": (passage.friction, 1.0),
         ENTRY: (passage.entry_speed, 1.0),
     }
@@ -119,6 +120,34 @@ def table() -> str:
 def _told(row: Mapping[str, Any], figure: str) -> str:
     value, error = row["figures"][figure]
     return f"{value:.3f} +- {error:.3f}"
+
+
+def in_all_rows() -> str:
+    """What hardly differs between the rows; a sentence."""
+    rows = [row["figures"] for name, row in read().items() if name in ROWS]
+
+    def between(figure: str, digits: int = 3) -> str:
+        values = [row[figure][0] for row in rows]
+        return f"{min(values):.{digits}f} to {max(values):.{digits}f}"
+
+    return (
+        f"In all rows mu_e is {between('mu_e [-]')}, the ore enters zone 2 at {between(ENTRY, 2)} m/s, the normal force on zone 2 is "
+        f"{between(PRESSED)} of the closed form's, and the speed at its end {between(EXIT)} of it"
+    )
+
+
+def times_slip() -> str:
+    """How nearly the closed form, times the ratio of sliding to stream speed, is met; words."""
+    off = {
+        name: 100.0 * abs(row["figures"][OVER][0] / row["figures"][SLIP][0] - 1.0)
+        for name, row in read().items()
+        if name in ROWS
+    }
+    sides = off.pop("16 mm, the whole chute with its sides")
+    return (
+        f"within {max(off.values()):.1f} % in every row of a slice, {off['8 mm and 65 GPa, the published slice']:.1f} % in the published "
+        f"one; between sides within {sides:.1f} %"
+    )
 
 
 def costs() -> str:
