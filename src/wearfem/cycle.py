@@ -22,9 +22,10 @@ from wearfem.liner.traction import load_cases
 from wearfem.loads import FacetLoads, in_one_block, in_sequence, on_facets, without_classes
 from wearfem.surface import Surface
 from wearfem.wear.budget import LEAST
+from wearfem.wear.effect import smoothed_with_effects
 from wearfem.wear.jump import Bounds, Goal, Jump, Life, choose_jump, end_of_life, is_trusted
 from wearfem.wear.sampling import Sample, steady_from
-from wearfem.wear.smooth import HelmholtzFilter
+from wearfem.wear.smooth import filter_over
 
 Tell = Callable[[float, str], None]
 
@@ -286,12 +287,11 @@ class _Pieces:
             self.sums = one if self.sums is None else in_one_block(in_sequence([self.sums, one]))
 
     def rate(self, surface: Surface) -> np.ndarray:
-        """(b, f) [m/s] of every block, with effects, smoothed"""
-        rate = np.concatenate(self.rows)
-        for effect in self.case.effects:
-            rate = effect.modify(rate, self.total, self.liner)
-        length = self.case.smoothing_length
-        return HelmholtzFilter(surface, length)(rate) if length > 0.0 else rate
+        """(b, f) [m/s] of every block, smoothed, with effects"""
+        smooth = filter_over(surface, self.case.smoothing_length)
+        return smoothed_with_effects(
+            np.concatenate(self.rows), self.case.effects, self.total, self.liner, smooth
+        )
 
     @property
     def total(self) -> FacetLoads:

@@ -23,10 +23,9 @@ from wearfem.survey.course import Course, Sampling, at_own_pace
 from wearfem.survey.survey import Survey
 from wearfem.wear.effect import Effect
 from wearfem.wear.effects import Corrosion
-from wearfem.wear.features import features
+from wearfem.wear.features import FROM_LOADS, features
 from wearfem.wear.sampling import Sample, lag_products, noise_density
 
-STATE = ("pressure", "slip_speed", "mobilised_friction", "impact_angle", "impact_work")  # what particles tell
 LEAST_PACE = 0.02  # [-] of the factor: slower, and the rate divided by it tells nothing
 ALIKE = 0.87  # cosine of 30 degrees: facets that face the same way
 SCALES = (("mm", 1e-3), ("cm", 1e-2), ("km", 1e3))  # by which coordinates are mistaken for metres
@@ -134,8 +133,8 @@ def exposed_by_run(
         own = np.maximum(report.rate - put_in.addition, 0.0) / faster
         rate.append([foot.value(own) for foot in feet])
         pace.append([foot.value(faster) for foot in feet])
-        known = features(STATE, report.loads, liner)
-        state.append([[foot.value(known[name]) for foot in feet] for name in STATE])
+        known = features(FROM_LOADS, report.loads, liner)
+        state.append([[foot.value(known[name]) for foot in feet] for name in FROM_LOADS])
         steep += [foot.gradient(report.rate) for foot in feet]
         worn += rate[-1]
     progress, unit = _progress(survey, run, [report for _, report in kept])
@@ -146,7 +145,7 @@ def exposed_by_run(
         np.array(rate).T * unit,
         {
             name: np.array(state)[:, i].T
-            for i, name in enumerate(STATE)
+            for i, name in enumerate(FROM_LOADS)
             if np.ptp(np.array(state)[:, i]) > 0.0
         },
         np.divide(steep, worn[:, None], out=np.zeros_like(steep), where=worn[:, None] > 0.0),

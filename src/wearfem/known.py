@@ -17,10 +17,10 @@ import numpy as np
 from wearfem.case import LifeCase
 from wearfem.liner.liner import Liner, wear_surface
 from wearfem.loads import FacetLoads
-from wearfem.wear.smooth import HelmholtzFilter
+from wearfem.wear.effect import on_the_flow, on_the_metal
+from wearfem.wear.smooth import filter_over
 
-ROWS = 2000  # of depths in a table where facets do not share their wear: a layer is met within a part of a thousand
-SMOOTHED_ROWS = 200  # where each takes a solve
+ROWS = 2000  # of depths in a table: a layer is met within a part of a thousand
 LEAST = 1e-6  # [-] of a factor: what never wears is never worn out
 
 
@@ -48,21 +48,19 @@ class KnownEffects:
     def __init__(self, case: LifeCase, liner: Liner, loads: FacetLoads, worn: np.ndarray) -> None:
         self.case, self.liner, self.loads = case, liner, loads
         self.law = case.wear_law.depth_rate(loads, liner)
-        smoothed = case.smoothing_length > 0.0
-        self.smooth = HelmholtzFilter(wear_surface(liner), case.smoothing_length) if smoothed else np.asarray
-        self.rows = SMOOTHED_ROWS if smoothed else ROWS
+        self.smooth = filter_over(wear_surface(liner), case.smoothing_length)
+        self.plain = self.smooth(self.law)
         self.begun = liner.depth - worn
         self.new = self._factors(self.begun[None], liner.service_time)
 
     def _factors(self, depth: np.ndarray, service_time: float) -> np.ndarray:
         """(g, f) [-] by which the effects multiply the rates of facets at depths (g, f) [m]; 1 where nothing wears"""
-        rate, liner = np.repeat(self.law, len(depth), axis=0), self.liner
+        liner, effects = self.liner, self.case.effects
         passed = liner.throughput + (service_time - liner.service_time) * self.case.throughput_rate
         there: Any = AsWorn(liner.mesh, depth, service_time, passed)
-        for effect in self.case.effects:
-            rate = effect.modify(rate, self.loads, there)
-        plain, rate = self.smooth(self.law), self.smooth(rate)
-        plain = np.broadcast_to(plain, rate.shape)
+        rate = self.smooth(on_the_flow(self.law, effects, self.loads, there))
+        rate = on_the_metal(np.repeat(rate, len(depth), axis=0), effects, self.loads, there)
+        plain = np.broadcast_to(self.plain, rate.shape)
         return np.divide(np.maximum(rate, LEAST * plain), plain, out=np.ones_like(rate), where=plain > 0.0)
 
     def at(self, depth: np.ndarray) -> np.ndarray:
@@ -70,12 +68,9 @@ class KnownEffects:
         return self._factors(self.begun + depth, self.liner.service_time) / self.new
 
     def by_depth(self, reach: np.ndarray) -> "PlainDepth":
-        """The table of p over d to `reach` (f,) [m].
-
-        With smoothing a facet shares the wear of its neighbours: they are taken to be as far on the way to their own reach.
-        """
-        step = np.where(reach > 0.0, reach, 1.0) / self.rows
-        factor = self.at((np.arange(self.rows)[:, None] + 0.5) * step)
+        """The table of p over d to `reach` (f,) [m]"""
+        step = np.where(reach > 0.0, reach, 1.0) / ROWS
+        factor = self.at((np.arange(ROWS)[:, None] + 0.5) * step)
         return PlainDepth(step, np.concatenate([np.zeros((1, len(step))), np.cumsum(step / factor, axis=0)]))
 
     def in_time(self, service_time: np.ndarray) -> np.ndarray:

@@ -15,7 +15,8 @@ from wearfem.history import History
 from wearfem.known import AsWorn
 from wearfem.liner.liner import wear_surface
 from wearfem.units import day, mm
-from wearfem.wear.smooth import HelmholtzFilter
+from wearfem.wear.effect import Smooth, smoothed_with_effects
+from wearfem.wear.smooth import filter_over
 
 if TYPE_CHECKING:
     from wearfem.case import LifeCase
@@ -81,15 +82,14 @@ def sharpness(
     same = all(len(report.depth) == len(history.area) for report in kept)
     if case is None or not case.smoothing_length > 0.0 or len(kept) < FEWEST or not same:
         return None
-    raw, length = raw_rates(history, case), case.smoothing_length
+    length = case.smoothing_length
     surface = wear_surface((history.state.kept or history.state.now).liner)
     step = np.diff(history.service_time)
     weight = 0.5 * (np.append(0.0, step) + np.append(step, step[-1]))  # [s] that each sample stands for
     over = np.array(PARTS) * length
 
     def deepest_of(length: float) -> np.ndarray:
-        rate = HelmholtzFilter(surface, length)(raw) if length > 0.0 else raw
-        return deepest(rate[:, facet] / allowed, weight)
+        return deepest(rates(history, case, filter_over(surface, length))[:, facet] / allowed, weight)
 
     smoothed = deepest_of(length)
     told = [_quotient(smoothed, deepest_of(one), weight) for one in over.tolist()]
@@ -104,16 +104,14 @@ def _quotient(top: np.ndarray, bottom: np.ndarray, weight: np.ndarray) -> tuple[
     return value, float(np.sqrt(spread) / (weight @ bottom))
 
 
-def raw_rates(history: History, case: "LifeCase") -> np.ndarray:
-    """(n, f) [m/s] of each sample by law and effects, before smoothing"""
+def rates(history: History, case: "LifeCase", smooth: Smooth) -> np.ndarray:
+    """(n, f) [m/s] of each sample kept, by law and effects, smoothed in this way"""
     mesh, rows = (history.state.kept or history.state.now).liner.mesh, []
     for report in history.reports:
         if report.kept:
             there: Any = AsWorn(mesh, report.depth, report.service_time, report.throughput)
             rate = case.wear_law.depth_rate(report.loads, there)
-            for effect in case.effects:
-                rate = effect.modify(rate, report.loads, there)
-            rows.append(rate[0])
+            rows.append(smoothed_with_effects(rate, case.effects, report.loads, there, smooth)[0])
     return np.array(rows)
 
 

@@ -1,10 +1,16 @@
 """The whole cycle on the wearing plate beside its closed forms."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from wearfem.liner.liner import wear_surface
 from wearfem.proofs import cycle as proof
 from wearfem.proofs.cycle import ALLOWED, QUIET, RATE, lived, plate
+from wearfem.units import kPa, mm
+from wearfem.wear.effects import FactorCurve, HardnessGradient, LateralBias
+from wearfem.wear.smooth import HelmholtzFilter
 
 
 @pytest.mark.parametrize("law", proof.LAWS)
@@ -14,8 +20,6 @@ def test_lives_and_depths_by_formula(law):
 
 
 def test_frozen_geometry_wears_by_depth_alone():
-    from dataclasses import replace
-
     case, formula = plate(law="running_in", tolerance=1e-3, **QUIET)
     history = lived(replace(case, frozen=True))
     assert history.life[-1].time == pytest.approx(
@@ -27,6 +31,38 @@ def test_frozen_geometry_wears_by_depth_alone():
     np.testing.assert_allclose(
         history.thickness[-1], 20e-3 - history.state.now.receded, rtol=1e-12
     )  # rounding
+
+
+def half_loaded(*effects):
+    """A frozen plate whose right half sees twice the load, smoothed over 30 mm, and what the smoothed load alone would wear"""
+    case, _ = plate(law="constant", tolerance=1e-3, **QUIET)
+    middle = case.liner.mesh.node[case.liner.mesh.wear].mean(axis=1)
+    load = np.where(middle[:, 0] > 0.1, 2.0, 1.0)
+    flow = replace(case.sampler, intensity=lambda surface: load)
+    case = replace(case, sampler=flow, effects=effects, smoothing_length=30 * mm, frozen=True)
+    smooth = HelmholtzFilter(wear_surface(case.liner), 30 * mm)
+    return lived(case), RATE * load, smooth, middle
+
+
+def test_smoothing_mixes_loads_and_not_metals():
+    """Each facet goes through its own hardness under its own smoothed load: d - g d^2 / 2 = r t, with g = 50 / m."""
+    history, load, smooth, _ = half_loaded(HardnessGradient(50.0))
+    d, rate = history.depth, smooth(load)
+    assert np.ptp(rate) > 0.5 * RATE  # facets are not worn alike
+    plain = rate * history.service_time[:, None]
+    assert d - 25.0 * d**2 == pytest.approx(plain, abs=2e-3 * ALLOWED)  # 0.1 % in time is 0.2 % in depth
+
+
+def test_effects_of_the_flow_are_smoothed_with_it():
+    """A curve over pressure multiplies the load before it is smoothed; one over place what comes out of it."""
+    doubled = FactorCurve(
+        "pressure", (0.0, 15 * kPa, 15.01 * kPa), (1.0, 1.0, 2.0)
+    )  # the right half has 20 kPa
+    history, load, smooth, _ = half_loaded(doubled)
+    steep = np.where(load > 1.5 * RATE, 2.0, 1.0) * load
+    assert history.rate[0] == pytest.approx(smooth(steep), rel=1e-9)  # rounding of the solve
+    history, load, smooth, middle = half_loaded(LateralBias(5.0, (1.0, 0.0, 0.0)))
+    assert history.rate[0] == pytest.approx((1.0 + 5.0 * middle[:, 0]) * smooth(load), rel=1e-9)
 
 
 def test_throughput_and_service_time_go_together():

@@ -11,7 +11,7 @@ from wearfem.formula import FormulaFlow, Sliding
 from wearfem.liner.block import Hexahedra, block
 from wearfem.liner.liner import Liner
 from wearfem.proofs.cycle import QUIET, lived, plate
-from wearfem.sharpness import deepest, of_whole_face, raw_rates
+from wearfem.sharpness import deepest, of_whole_face, rates
 from wearfem.units import day, mm
 
 LENGTH = 1.0  # [m] of a strip that is one facet of 10 mm wide
@@ -83,7 +83,7 @@ def test_noise_is_not_taken_for_sharpness():
         1.0, abs=0.5
     )  # the doubt told is the one there is
     history, case = strip(np.ones_like, 30 * mm, noise=0.3)
-    naive = raw_rates(history, case).mean(axis=0)
+    naive = rates(history, case, np.asarray).mean(axis=0)
     assert (
         naive.max() / naive.mean() > 1.0 + 3.0 * error[:, -1].mean()
     )  # the largest of all would be taken for a place that wears deeper

@@ -15,7 +15,11 @@ import numpy as np
 
 from wearfem.errors import UserError, in_words
 from wearfem.loads import FacetLoads
-from wearfem.wear.features import Features, WornLiner, features
+from wearfem.wear.features import FROM_LOADS, Features, WornLiner, features
+
+Smooth = Callable[
+    [np.ndarray], np.ndarray
+]  # of fields (b, f) by facet; the identity where nothing is smoothed
 
 
 class Effect(Protocol):
@@ -44,6 +48,42 @@ class FactorEffect:
     def modify(self, rate: np.ndarray, loads: FacetLoads, liner: WornLiner) -> np.ndarray:
         """The rate (b, f) [m/s] times the factor of each facet."""
         return rate * self.factor(**self.known(loads, liner))
+
+
+def acts_on_the_flow(effect: Effect) -> bool:
+    """Whether an effect looks at what the flow does to a facet; else at the metal there, its place and the calendar"""
+    return any(name in FROM_LOADS for name in effect.needs)
+
+
+def smoothed_with_effects(
+    rate: np.ndarray, effects: Sequence[Effect], loads: FacetLoads, liner: WornLiner, smooth: Smooth
+) -> np.ndarray:
+    """The rate (b, f) [m/s] of a law with effects, smoothed between those of the flow and those of the metal.
+
+    Smoothing stands for loads that scatter over a neighbourhood, and steel does not scatter: a facet that is through its hard layer
+    wears by what is below it, whatever its neighbours still have.
+    """
+    return on_the_metal(smooth(on_the_flow(rate, effects, loads, liner)), effects, loads, liner)
+
+
+def on_the_flow(
+    rate: np.ndarray, effects: Sequence[Effect], loads: FacetLoads, liner: WornLiner
+) -> np.ndarray:
+    """The rate (b, f) [m/s] with the effects that look at what the flow does; they act before it is smoothed"""
+    for effect in effects:
+        if acts_on_the_flow(effect):
+            rate = effect.modify(rate, loads, liner)
+    return rate
+
+
+def on_the_metal(
+    rate: np.ndarray, effects: Sequence[Effect], loads: FacetLoads, liner: WornLiner
+) -> np.ndarray:
+    """The rate (b, f) [m/s], smoothed, with the effects of depth, place and calendar"""
+    for effect in effects:
+        if not acts_on_the_flow(effect):
+            rate = effect.modify(rate, loads, liner)
+    return rate
 
 
 def all_factors(effects: Sequence[FactorEffect], known: Features) -> Any:

@@ -121,6 +121,15 @@ FEATURES: Mapping[str, Feature] = {
 }
 
 
+FROM_LOADS = (
+    "pressure",
+    "slip_speed",
+    "mobilised_friction",
+    "impact_angle",
+    "impact_work",
+)  # what the flow does
+
+
 def features(needs: Sequence[str], loads: FacetLoads, liner: WornLiner) -> dict[str, Any]:
     """The features of these names in a run: numbers, or one value for each facet.
 

@@ -5,6 +5,7 @@ unknowns at the corners, lumped mass, and a stiffness whose couplings are never 
 out positive on any triangulation: see `couplings`.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -147,6 +148,11 @@ class HelmholtzFilter:
         stiffness = diags_array(np.asarray(coupling.sum(axis=1)).ravel()) - coupling
         matrix = diags_array(self._mass) + self.length**2 * stiffness
         return splu(matrix.tocsc(), "MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+
+
+def filter_over(surface: Surface, length: float) -> Callable[[np.ndarray], np.ndarray]:
+    """The filter over a length [m]; for a length of 0 each facet stands for itself"""
+    return HelmholtzFilter(surface, length) if length > 0.0 else np.asarray
 
 
 def couplings(surface: Surface, node: np.ndarray, sharp: float) -> csr_array:
