@@ -122,20 +122,6 @@ def _told(row: Mapping[str, Any], figure: str) -> str:
     return f"{value:.3f} +- {error:.3f}"
 
 
-def in_all_rows() -> str:
-    """What hardly differs between the rows; a sentence."""
-    rows = [row["figures"] for name, row in read().items() if name in ROWS]
-
-    def between(figure: str, digits: int = 3) -> str:
-        values = [row[figure][0] for row in rows]
-        return f"{min(values):.{digits}f} to {max(values):.{digits}f}"
-
-    return (
-        f"In all rows mu_e is {between('mu_e [-]')}, the ore enters zone 2 at {between(ENTRY, 2)} m/s, the normal force on zone 2 is "
-        f"{between(PRESSED)} of the closed form's, and the speed at its end {between(EXIT)} of it"
-    )
-
-
 def times_slip() -> str:
     """How nearly the closed form, times the ratio of sliding to stream speed, is met; words."""
     off = {
