@@ -8,6 +8,7 @@ import tempfile
 from pathlib import Path
 
 from wearfem.case import load_any_case
+from wearfem.errors import in_a_sentence
 from wearfem.history import read_history
 from wearfem.run import run_case
 
@@ -26,4 +27,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    with in_a_sentence(__file__):
+        main()

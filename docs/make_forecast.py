@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from wearfem import __version__
+from wearfem.errors import in_a_sentence
 from wearfem.proofs.forecast import KINDS, PARTS, Told, inside, told
 
 RESULTS = Path(__file__).parent / "forecast.json"
@@ -117,4 +118,5 @@ def errors() -> str:
 
 
 if __name__ == "__main__":
-    main()
+    with in_a_sentence(__file__):
+        main()

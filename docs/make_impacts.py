@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from wearfem.errors import in_a_sentence
 from wearfem.proofs import impacts
 from wearfem.proofs._impact_rig import MESH, Rig
 from wearfem.verification import impact_tests as published
@@ -158,4 +159,5 @@ def test_six(panel) -> None:
 
 
 if __name__ == "__main__":
-    main()
+    with in_a_sentence(__file__):
+        main()

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from wearfem.errors import in_a_sentence
 from wearfem.liner.block import Falling, Rising
 from wearfem.proofs._shell_problems import OBSTACLES
 from wearfem.report import draw_lines, picture
@@ -37,4 +38,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    with in_a_sentence(__file__):
+        main()

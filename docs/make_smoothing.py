@@ -8,6 +8,7 @@ import numpy as np
 matplotlib.use("Agg")
 from matplotlib import pyplot as plt
 
+from wearfem.errors import in_a_sentence
 from wearfem.proofs.smoothing import (
     IMPACTS,
     SENSITIVITY_LENGTH,
@@ -77,4 +78,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    with in_a_sentence(__file__):
+        main()

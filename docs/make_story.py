@@ -11,6 +11,7 @@ import numpy as np
 matplotlib.use("Agg")
 from matplotlib import pyplot as plt
 
+from wearfem.errors import in_a_sentence
 from wearfem.proofs.survey_life import ENDS, LATER, READ, plants, surveyed
 from wearfem.survey.backtest import NAMES, back_test
 from wearfem.survey.diagnose import diagnose
@@ -68,4 +69,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    with in_a_sentence(__file__):
+        main()

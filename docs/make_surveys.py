@@ -11,6 +11,7 @@ import tempfile
 from pathlib import Path
 
 from wearfem import __version__
+from wearfem.errors import in_a_sentence
 
 ROOT = Path(__file__).parents[1]
 SURVEYS = {
@@ -59,4 +60,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    with in_a_sentence(__file__):
+        main()

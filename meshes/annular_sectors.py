@@ -5,6 +5,7 @@ from pathlib import Path
 
 from gmsh_model import Where, empty_model, flat, mesh_of, upright
 
+from wearfem.errors import in_a_sentence
 from wearfem.liner.mesh import LinerMesh
 from wearfem.liner.mesh_file import write_mesh
 from wearfem.units import mm
@@ -55,14 +56,15 @@ def _sector(top: Where, middle: float) -> Where:
 
 
 if __name__ == "__main__":
-    here = Path(__file__)
-    write_mesh(here.with_name("annular_sectors.msh"), annular_sectors())
-    disc = annular_sectors(
-        inner_diameter=0.0,
-        outer_diameter=53 * mm,
-        thickness=6 * mm,
-        count=1,
-        size=2.2 * mm,
-        name="pin_on_disc",
-    )
-    write_mesh(here.with_name("pin_on_disc.msh"), disc)
+    with in_a_sentence(__file__):
+        here = Path(__file__)
+        write_mesh(here.with_name("annular_sectors.msh"), annular_sectors())
+        disc = annular_sectors(
+            inner_diameter=0.0,
+            outer_diameter=53 * mm,
+            thickness=6 * mm,
+            count=1,
+            size=2.2 * mm,
+            name="pin_on_disc",
+        )
+        write_mesh(here.with_name("pin_on_disc.msh"), disc)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from gmsh_model import NEAR, Where, either, empty_model, flat, mesh_of
 
+from wearfem.errors import in_a_sentence
 from wearfem.liner.mesh import LinerMesh
 from wearfem.liner.mesh_file import write_mesh
 from wearfem.units import degree, mm
@@ -59,8 +60,9 @@ def bucket_bottom(
 
 
 if __name__ == "__main__":
-    here = Path(__file__)
-    write_mesh(here.with_name("bucket_bottom.msh"), bucket_bottom())
-    for degrees in (90, 45):
-        made = bucket_bottom(bars=4, angle=degrees * degree)
-        write_mesh(here.with_name(f"bucket_bottom_bars_{degrees}.msh"), made)
+    with in_a_sentence(__file__):
+        here = Path(__file__)
+        write_mesh(here.with_name("bucket_bottom.msh"), bucket_bottom())
+        for degrees in (90, 45):
+            made = bucket_bottom(bars=4, angle=degrees * degree)
+            write_mesh(here.with_name(f"bucket_bottom_bars_{degrees}.msh"), made)

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 from gmsh_model import NEAR, Where, either, empty_model, everything, flat, mesh_of
 
+from wearfem.errors import in_a_sentence
 from wearfem.liner.block import mapped
 from wearfem.liner.mesh import LinerMesh, ShellMesh
 from wearfem.liner.mesh_file import write_mesh
@@ -126,6 +127,7 @@ def _faces_flow(mesh: ShellMesh) -> bool:
 
 
 if __name__ == "__main__":
-    here = Path(__file__)
-    write_mesh(here.with_name("curved_chute.msh"), curved_chute())
-    write_mesh(here.with_name("curved_chute_shell.msh"), curved_chute(shell=True))
+    with in_a_sentence(__file__):
+        here = Path(__file__)
+        write_mesh(here.with_name("curved_chute.msh"), curved_chute())
+        write_mesh(here.with_name("curved_chute_shell.msh"), curved_chute(shell=True))

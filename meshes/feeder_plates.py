@@ -8,6 +8,7 @@ from pathlib import Path
 
 from gmsh_model import Where, either, empty_model, everything, flat, mesh_of
 
+from wearfem.errors import in_a_sentence
 from wearfem.liner.mesh import LinerMesh
 from wearfem.liner.mesh_file import write_mesh
 from wearfem.units import mm
@@ -48,5 +49,8 @@ def _between(low_y: float, high_y: float) -> Where:
 
 
 if __name__ == "__main__":
-    for edge in (75 * mm, 45 * mm):
-        write_mesh(Path(__file__).with_name(f"feeder_plates_{1e3 * edge:.0f}.msh"), feeder_plates(size=edge))
+    with in_a_sentence(__file__):
+        for edge in (75 * mm, 45 * mm):
+            write_mesh(
+                Path(__file__).with_name(f"feeder_plates_{1e3 * edge:.0f}.msh"), feeder_plates(size=edge)
+            )

@@ -4,6 +4,7 @@ from pathlib import Path
 
 from gmsh_model import NEAR, Where, either, empty_model, flat, mesh_of
 
+from wearfem.errors import in_a_sentence
 from wearfem.liner.mesh import LinerMesh
 from wearfem.liner.mesh_file import write_mesh
 from wearfem.units import mm
@@ -49,4 +50,5 @@ def _around(bolt: tuple[float, float], hole: float, thickness: float) -> Where:
 
 
 if __name__ == "__main__":
-    write_mesh(Path(__file__).with_name("flat_plate.msh"), flat_plate())
+    with in_a_sentence(__file__):
+        write_mesh(Path(__file__).with_name("flat_plate.msh"), flat_plate())

@@ -12,6 +12,7 @@ from scipy.stats import t as student
 
 from wearfem import __version__
 from wearfem.case import load_case
+from wearfem.errors import in_a_sentence
 from wearfem.run import run_stages
 from wearfem.settings import parse_settings
 
@@ -93,4 +94,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    with in_a_sentence(__file__):
+        main()

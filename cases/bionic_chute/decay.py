@@ -16,6 +16,7 @@ from scipy.stats import t as student
 from wearfem import __version__
 from wearfem.case import LifeCase, Stop, Window, load_any_case
 from wearfem.cycle import CycleReport, Worn
+from wearfem.errors import UserError, in_a_sentence
 from wearfem.history import cycles_of, read_cycle
 from wearfem.life import live
 from wearfem.liner.liner import wear_surface
@@ -175,10 +176,13 @@ def main() -> None:
         given.run.mkdir(parents=True, exist_ok=True)
         live(case if cycles_of(given.run) else filled(case), given.run, quiet=True)
     found = moments(case, given.run)
+    if not found:
+        raise UserError(f"{given.run} holds no life: give the folder that decay.py has lived in")
     RESULTS.write_text(json.dumps([asdict(one) for one in found], indent=1) + "\n")
     print(table())
     print(f"{change_is_real()}.")
 
 
 if __name__ == "__main__":
-    main()
+    with in_a_sentence(__file__):
+        main()

@@ -18,6 +18,7 @@ from scipy.stats import t as student
 from wearfem.case import LifeCase, Window, load_any_case, parts_of
 from wearfem.cycle import Particles
 from wearfem.dem.flow import Model
+from wearfem.errors import in_a_sentence
 from wearfem.liner.liner import wear_surface
 from wearfem.surface import Surface
 from wearfem.units import GPa
@@ -118,4 +119,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    with in_a_sentence(__file__):
+        main()

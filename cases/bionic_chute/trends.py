@@ -20,6 +20,7 @@ from scipy.stats import t as student
 
 from wearfem import __version__
 from wearfem.case import Window, load_any_case, parts_of
+from wearfem.errors import in_a_sentence
 from wearfem.liner.chute import facet_angle
 from wearfem.liner.liner import wear_surface
 from wearfem.units import degree, mm
@@ -234,4 +235,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    with in_a_sentence(__file__):
+        main()

@@ -15,6 +15,7 @@ from scipy.stats import t as student
 
 from wearfem import __version__
 from wearfem.case import Window, load_any_case
+from wearfem.errors import UserError, in_a_sentence
 from wearfem.history import cycles_of, read_cycle
 from wearfem.liner.liner import Liner, wear_surface
 from wearfem.liner.mesh import ShellMesh
@@ -25,10 +26,21 @@ SEEDS = (1, 2)
 FILL, MEASURE, BLOCKS = 0.45, 0.4, 16  # [s], [s], [-] for each seed
 
 
+def worn_down(run: Path, new: ShellMesh) -> ShellMesh:
+    """The face in the end of a life that began with `new`"""
+    count = cycles_of(run)
+    worn = read_cycle(run, count)[0].now.liner.mesh if count else None
+    if not isinstance(worn, ShellMesh) or worn.element.shape != new.element.shape:
+        raise UserError(
+            f"{run} holds no life of this chute: give the folder that decay.py has lived in to its end"
+        )
+    return worn
+
+
 def faces(run: Path) -> dict[str, ShellMesh]:
     """The faces by name: the stretch above zone 2 and zone 2 itself, put together."""
     new, smooth = (load_any_case(FOLDER, {"convexes": there}).liner.mesh for there in (True, False))
-    worn = read_cycle(run, cycles_of(run))[0].now.liner.mesh
+    worn = worn_down(run, new)
     wears = worn.thickness < new.thickness  # what lies above zone 2 was kept as new
 
     def put(above: ShellMesh, below: ShellMesh) -> ShellMesh:
@@ -51,7 +63,8 @@ def faces(run: Path) -> dict[str, ShellMesh]:
 def relief(run: Path) -> dict[str, float]:
     """[m] the worn face in the end, beside the mean of what was no convex: standard deviation, highest, lowest"""
     case = load_any_case(FOLDER, {})
-    worn, new = read_cycle(run, cycles_of(run))[0].now.liner.mesh, case.liner.mesh
+    new = case.liner.mesh
+    worn = worn_down(run, new)
     wears = worn.thickness < new.thickness
     height = worn.thickness[wears] - worn.thickness[wears & (case.measure.where.height == 0.0)].mean()
     return {"deviation": float(height.std()), "highest": float(height.max()), "lowest": float(height.min())}
@@ -109,4 +122,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    with in_a_sentence(__file__):
+        main()

@@ -22,6 +22,7 @@ from wearfem import report
 from wearfem.case import Figure, load_case
 from wearfem.dem.sample import Stepper
 from wearfem.dem.tally import LOAD_DISTANCE
+from wearfem.errors import in_a_sentence
 from wearfem.record import RunFolder, write_json
 from wearfem.run import figure_table
 
@@ -253,4 +254,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    with in_a_sentence(__file__):
+        main()

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from wearfem import __version__
+from wearfem.errors import in_a_sentence
 
 CASE = Path(__file__).parent
 RESULTS = CASE / "improved.json"
@@ -97,4 +98,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    with in_a_sentence(__file__):
+        main()

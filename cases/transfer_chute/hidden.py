@@ -13,6 +13,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+from wearfem.errors import UserError, in_a_sentence, in_words
 from wearfem.improve import Improvement
 from wearfem.proofs.closed_loop import CHUTE, closed
 from wearfem.survey.diagnose import parameters_of
@@ -82,6 +83,16 @@ def table() -> str:
     return "\n".join(lines)
 
 
+def plant(asked: str) -> tuple[str, int]:
+    """What is hidden and the seed, from `hardness_gradient-1`"""
+    hidden, _, seed = asked.rpartition("-")
+    if hidden not in CHUTE.hidden or not seed.isdigit():
+        raise UserError(
+            f"--only was given {asked}: give one of {in_words(list(CHUTE.hidden), 'or')} with a seed, such as ore_change-3"
+        )
+    return hidden, int(seed)
+
+
 def main() -> None:
     """Run what is missing, print what there is."""
     parser = argparse.ArgumentParser(
@@ -94,14 +105,15 @@ def main() -> None:
     parser.add_argument("--table", action="store_true", help="run nothing")
     given = parser.parse_args()
     rows = read()
-    asked = [one.rsplit("-", 1) for one in given.only] if given.only else PLANTS
+    asked = [plant(one) for one in given.only] if given.only else PLANTS
     for hidden, seed in () if given.table else asked:
-        done, _ = closed(given.out / f"{hidden}-{seed}", hidden, int(seed), again=True, site=CHUTE)
-        rows = [one for one in rows if (one["hidden"], one["seed"]) != (hidden, int(seed))]
-        rows = sorted([*rows, row(done, hidden, int(seed))], key=lambda one: one["seed"])
+        done, _ = closed(given.out / f"{hidden}-{seed}", hidden, seed, again=True, site=CHUTE)
+        rows = [one for one in rows if (one["hidden"], one["seed"]) != (hidden, seed)]
+        rows = sorted([*rows, row(done, hidden, seed)], key=lambda one: one["seed"])
         RESULTS.write_text(json.dumps(rows, indent=1) + "\n")
     print(table())
 
 
 if __name__ == "__main__":
-    main()
+    with in_a_sentence(__file__):
+        main()

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from wearfem.case import load_any_case, parts_of
+from wearfem.errors import in_a_sentence
 from wearfem.foretell import Asked, forecast_run
 from wearfem.history import read_history
 from wearfem.life import line
@@ -197,4 +198,5 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    with in_a_sentence(__file__):
+        main()

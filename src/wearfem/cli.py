@@ -1,15 +1,14 @@
 """The command line. Each command imports what it needs when it runs, so `wearfem --help` answers at once."""
 
-import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 import click
 
 from wearfem import __version__
-from wearfem.errors import UserError, in_words
+from wearfem.errors import UserError, in_a_sentence, in_words
 
 settings_option = click.option(
     "--set",
@@ -347,24 +346,14 @@ def improve(
 
 def main() -> None:
     """Run a command; a user's mistake becomes one sentence and exit code 2."""
-    try:
-        status = wearfem.main(sys.argv[1:] or ["--help"], prog_name="wearfem", standalone_mode=False)
-    except UserError as error:
-        stop(str(error), 2)
-    except click.ClickException as error:
-        stop(f"{error.format_message().rstrip('.?')}; see wearfem --help", 2)
-    except (KeyboardInterrupt, click.Abort):
-        stop("interrupted; what was written so far is whole", 130)
-    except BrokenPipeError:  # the reader of a pipe has seen enough
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        sys.exit(1)
+    with in_a_sentence("wearfem"):
+        try:
+            status = wearfem.main(sys.argv[1:] or ["--help"], prog_name="wearfem", standalone_mode=False)
+        except click.ClickException as error:
+            raise UserError(f"{error.format_message().rstrip('.?')}; see wearfem --help") from error
+        except click.Abort:
+            raise KeyboardInterrupt from None
     sys.exit(status or 0)
-
-
-def stop(sentence: str, code: int) -> NoReturn:
-    """Print the sentence on the error stream and end."""
-    print(f"wearfem: {sentence.rstrip('.')}.", file=sys.stderr)
-    sys.exit(code)
 
 
 if __name__ == "__main__":

@@ -91,7 +91,9 @@ def compose(found: Diagnosis, ahead: Forecast, tested: BackTest, read: Sequence[
         quantities(choice.best, columns), key=lambda q: carried[q.name].p if q.name in carried else 1.0
     )
     position = choice.plain.readings.survey.feature.get("position")
-    flat = position is not None and np.ptp(position[:, 0]) > 0.0 and np.ptp(position[:, 1]) > 0.0
+    if position is not None and not (np.ptp(position[:, :2], axis=0) > 0.0).all():
+        position = None  # places in a line make no map
+    zero: Any = found.nuisance["zero_error"]
     fitted = choice.best
     return rendered(
         "diagnosis.html",
@@ -109,7 +111,7 @@ def compose(found: Diagnosis, ahead: Forecast, tested: BackTest, read: Sequence[
         readings_picture=draw_readings(found),
         residuals=[(q.name, draw_residual(q, panels, gauge, unit)) for q in drawn[:MOST_QUANTITIES]],
         left_out=[q.label for q in drawn[MOST_QUANTITIES:]],
-        map=draw_map(position, panels, unit) if flat else None,  # type: ignore[arg-type]
+        map=None if position is None else draw_map(position, panels, unit),
         noise_level=NOISE_LEVEL,
         suspects=suspected(choice),
         tried=len(choice.tried),
@@ -118,8 +120,8 @@ def compose(found: Diagnosis, ahead: Forecast, tested: BackTest, read: Sequence[
             for i, effect in enumerate(found.effects)
         ],
         in_words=in_words,
-        zero=found.nuisance["zero_error"],
-        zero_picture=draw_zero_errors(found.nuisance["zero_error"], unit) if found.nuisance["zero_error"] else None,  # type: ignore[arg-type]
+        zero=zero,
+        zero_picture=draw_zero_errors(zero, unit) if zero else None,
         nuisances=_nuisances(found, unit),
         ahead=ahead,
         limit=limit_words(ahead),

@@ -249,13 +249,15 @@ def mesh_error(study: Path) -> float:
     That error is 1.25 times the distance from the converged answer, meant to hold the truth in 95 % (Roache): two deviations.
     """
     answers = _json(study / "converged.json", "wearfem study --size")
-    found = [
-        0.5 * answer["answer"]["error"] / abs(answer["answer"]["value"])
-        for answer in answers
-        if answer["figure"] == "end of life"
-        and answer["answer"]["value"]
-        and answer["answer"]["error"] is not None
-    ]
+    try:
+        told = [answer["answer"] for answer in answers if answer["figure"] == "end of life"]
+        found = [
+            0.5 * one["error"] / abs(one["value"])
+            for one in told
+            if one["value"] and one["error"] is not None
+        ]
+    except (KeyError, TypeError):
+        found = []
     if not found:
         raise UserError(
             f"{study} tells no converged end of life: give a study of this case over a mesh size, with --size, that came to an answer"
@@ -276,6 +278,8 @@ def forecast_lines(found: Foretold) -> Iterable[str]:
     """A forecast in plain words, line by line."""
     told = found.forecast
     yield f"{told.samples} samples, {words(told.served)} served; times are of service since the liner was new"
+    if found.history.ended == "end of life":
+        yield "this life was followed to its end: what the case allows is gone, and the first table tells how surely that was then"
     for until in dict.fromkeys(zone.until for zone in told.zone):
         yield ""
         yield from _table(found, [zone for zone in told.zone if zone.until == until], until)

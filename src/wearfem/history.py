@@ -22,6 +22,7 @@ from wearfem.cycle import CycleReport, State, Worn
 from wearfem.errors import UserError
 from wearfem.liner.breakthrough import thickness
 from wearfem.liner.liner import Liner, wear_surface
+from wearfem.progress import clock
 from wearfem.record import hdf5_file, write_json, write_surface
 from wearfem.values import read_value, write_value
 from wearfem.wear.jump import Jump, Life
@@ -63,7 +64,48 @@ class History:
         return float(sum(report.window + report.warm_up for report in self.reports))
 
 
-def write_cycle(run: Path, state: State, report: CycleReport, *, worn: Worn, run_time: float = 0.0) -> None:
+@dataclass(frozen=True)
+class Computing:
+    """Where the time went that a run has computed. The first cycle may have compiled, so shares are of the later ones."""
+
+    total: float  # [s] of all cycles
+    later: float  # [s] of all cycles but the first
+    flow: float  # [s] of these in which the flow was sampled: particles moved, their loads summed
+
+    @property
+    def outside(self) -> float:
+        """[-] share of the later cycles that went into all else: rates, jumps, meshes, strength, files; NaN without later ones"""
+        return 1.0 - self.flow / self.later if self.later > 0.0 else float("nan")
+
+    def words(self) -> str:
+        """In a line; empty where there is no later cycle"""
+        if not np.isfinite(self.outside):
+            return ""
+        return (
+            f"computing: {clock(self.total)} in cycles; all but the flow (rates, jumps, mesh, strength, files) took "
+            f"{100.0 * self.outside:.2g} % of it, the first cycle left out"
+        )
+
+
+def computing_of(run: Path) -> Computing:
+    """Where the computing time of a run went, by the clock of its cycles"""
+    spent = []
+    for number in range(1, cycles_of(run) + 1):
+        with h5py.File(run / CYCLES / f"{number:04d}.h5", "r") as file:
+            spent.append([float(file.attrs[name]) for name in ("run_time", "flow_time")])
+    total, flow = np.array(spent)[:, 0], np.array(spent)[1:, 1]
+    return Computing(float(total.sum()), float(total[1:].sum()), float(flow.sum()))
+
+
+def write_cycle(
+    run: Path,
+    state: State,
+    report: CycleReport,
+    *,
+    worn: Worn,
+    run_time: float = 0.0,
+    flow_time: float = 0.0,
+) -> None:
     """Write down a cycle: the samples that are new, the worn face, then the state and the report in one file.
 
     Parameters
@@ -76,6 +118,8 @@ def write_cycle(run: Path, state: State, report: CycleReport, *, worn: Worn, run
         What the cycle sampled: `now` of the state before.
     run_time
         [s] that the cycle took, to be told and for nothing else.
+    flow_time
+        [s] of it in which the flow was sampled.
     """
     number = f"{report.cycle:04d}"
     place = _folder(run, CYCLES) / f"{number}.h5"
@@ -90,6 +134,7 @@ def write_cycle(run: Path, state: State, report: CycleReport, *, worn: Worn, run
     with hdf5_file(place) as file:
         file.attrs["wearfem"] = __version__
         file.attrs["run_time"] = run_time
+        file.attrs["flow_time"] = flow_time
         write_value(file, "state", bare)
         write_value(file, "report", report)
 

@@ -5,13 +5,16 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import FrameType
+from typing import Any
 
-from wearfem.case import LifeCase
-from wearfem.cycle import CycleReport, State, cycle, first_state
+from wearfem.case import LifeCase, Window
+from wearfem.cycle import CycleReport, Sampler, State, Tell, cycle, first_state
 from wearfem.history import (
     History,
+    computing_of,
     cycles_of,
     read_cycle,
     read_history,
@@ -19,8 +22,10 @@ from wearfem.history import (
     write_cycle,
     write_series,
 )
+from wearfem.loads import FacetLoads
 from wearfem.progress import clock, progress
 from wearfem.sharpness import of_whole_face
+from wearfem.surface import Surface
 from wearfem.units import day, hour, minute, tonne
 
 
@@ -47,19 +52,44 @@ def live(case: LifeCase, run: Path, quiet: bool = False) -> History:
     history = read_history(run)
     if sharp := of_whole_face(history, case):
         print(sharp.words(history.life[-1].time), flush=True)
+    if spent := computing_of(run).words():
+        print(spent, flush=True)
     return history
+
+
+@dataclass
+class Timed:
+    """A sampler beside a clock."""
+
+    sampler: Sampler
+    seconds: float = 0.0  # that it has computed
+
+    def sample(
+        self, flow: Any, surface: Surface, window: Window, tell: Tell | None = None
+    ) -> tuple[Any, FacetLoads]:
+        """What the sampler says."""
+        begun = time.monotonic()
+        done = self.sampler.sample(flow, surface, window, tell)
+        self.seconds += time.monotonic() - begun
+        return done
 
 
 def _one(
     case: LifeCase, state: State, run: Path, quiet: bool, times: list[float]
 ) -> tuple[State, CycleReport]:
     """One cycle, written down."""
-    begun = time.monotonic()
+    begun, sampler = time.monotonic(), Timed(case.sampler)
     number = state.cycle + 1
     planned = case.warm_up + (state.jump.window if state.jump else case.window.duration)
     with progress(planned, f"{case.name}: cycle {number}", quiet) as bar:
-        new, report = cycle(case, state, lambda seconds, word: bar.update(min(seconds, planned), word))
-    write_cycle(run, new, report, worn=state.now, run_time=time.monotonic() - begun)
+        new, report = cycle(
+            replace(case, sampler=sampler),
+            state,
+            lambda seconds, word: bar.update(min(seconds, planned), word),
+        )
+    write_cycle(
+        run, new, report, worn=state.now, run_time=time.monotonic() - begun, flow_time=sampler.seconds
+    )
     times.append(report.service_time)
     write_series(run, times)
     return new, report

@@ -105,7 +105,7 @@ def read_manifest(run: Path) -> dict[str, Any]:
         if not isinstance(content["folder"], str) or not isinstance(content["settings"], dict):
             raise ValueError("it names no case")
         return content
-    except FileNotFoundError:
+    except (FileNotFoundError, NotADirectoryError):
         raise UserError(
             f"{run} is no run folder, it has no manifest.json: give the folder that wearfem run wrote to"
         ) from None

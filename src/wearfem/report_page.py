@@ -15,7 +15,7 @@ from wearfem.case import Figure, LifeCase
 from wearfem.errors import UserError
 from wearfem.forecast import QUANTILES
 from wearfem.foretell import Asked, Foretold, foretell_history, percent, plans_of, shares
-from wearfem.history import CYCLES, History, cycles_of, read_cycle, read_history
+from wearfem.history import CYCLES, History, computing_of, cycles_of, read_cycle, read_history
 from wearfem.life import words
 from wearfem.liner.liner import wear_surface
 from wearfem.page import rendered
@@ -45,6 +45,7 @@ from wearfem.report_facts import (
     wear_by_zone,
     zones_of,
 )
+from wearfem.sharpness import Sharpness, of_whole_face
 from wearfem.units import day, kilotonne, tonne
 
 PAGE = "report.html"
@@ -133,7 +134,8 @@ def compose(
     in_order = sorted(moments.items(), key=lambda moment: moment[1])
     maps = [(title, thickness_at(history, time)) for title, time in in_order]
     foretold, refused = _foretold(history, case, asked)
-    figures = figures_of(history, end, foretold)
+    sharper = foretold.sharpness if foretold else of_whole_face(history, case)
+    figures = figures_of(history, end, foretold, sharper)
     page = rendered(
         "page.html",
         {"time": words, "mass": mass, "millimetre": _millimetre, "clock": clock},
@@ -152,6 +154,8 @@ def compose(
         warnings=warnings_of(history, begun, case, end),
         figures=figures,
         foretold=foretold,
+        smoothed=smoothed_less(sharper, end.time) if sharper else [],
+        smoothing_length=sharper.length if sharper else 0.0,
         refused=refused,
         shares=shares,
         percent=percent,
@@ -167,7 +171,8 @@ def compose(
         curves=[(curve.title, draw_curve(curve)) for curve in curves_of(history, confidence)],
         strain=history.reports[-1].strain,
         rate_unit=day * 1e3,
-        computing=_computing_time(run, len(history.reports)),
+        day=day,
+        computing=computing_of(run),
         script=(files("wearfem") / "page" / "view.js").read_text(encoding="utf-8"),
         view=view_data(frames, limits),
     )
@@ -200,7 +205,21 @@ def chances_of(foretold: Foretold) -> list[Curve]:
     return curves
 
 
-def figures_of(history: History, end: End, foretold: Foretold | None = None) -> tuple[Figure, ...]:
+def smoothed_less(sharper: Sharpness, life: float) -> list[tuple[float, float, float]]:
+    """Lengths [m] shorter than the smoothing of the run, and by what each would change a life [s], with its standard error [s]"""
+    return list(
+        zip(
+            sharper.over.tolist(),
+            ((sharper.kept - 1.0) * life).tolist(),
+            (sharper.error * life).tolist(),
+            strict=True,
+        )
+    )
+
+
+def figures_of(
+    history: History, end: End, foretold: Foretold | None = None, sharper: Sharpness | None = None
+) -> tuple[Figure, ...]:
     """The numbers of the page."""
     low, high = end.interval
     left = least(corrected_thickness(history)[-1])
@@ -216,6 +235,10 @@ def figures_of(history: History, end: End, foretold: Foretold | None = None) -> 
     ]
     if np.isfinite(end.throughput):
         figures.insert(3, Figure("throughput at end of life", end.throughput / tonne, "t"))
+    for length, change, error in smoothed_less(sharper, end.time) if sharper else ():
+        name = f"change of the end of life, had the rate been smoothed over {1e3 * length:.3g} mm"
+        figures.append(Figure(name, change / day, "d"))
+        figures.append(Figure(f"{name}, standard error", error / day, "d"))
     for zone in foretold.forecast.zone if foretold else ():
         name = f"{zone.zone}, until {zone.until}"
         for part, quantile in zip(QUANTILES, zone.quantile, strict=True):
@@ -375,15 +398,6 @@ def _case_figures(run: Path) -> list[dict[str, Any]]:
         raise UserError(
             f"{file} is cut off or damaged ({error}): remove it, and the report is made without"
         ) from error
-
-
-def _computing_time(run: Path, cycles: int) -> float:
-    """[s] that all cycles took"""
-    total = 0.0
-    for number in range(1, cycles + 1):
-        with h5py.File(run / CYCLES / f"{number:04d}.h5", "r") as file:
-            total += float(file.attrs["run_time"])
-    return total
 
 
 def mass(kilogram: float) -> str:

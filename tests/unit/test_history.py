@@ -10,8 +10,10 @@ import h5py
 import numpy as np
 import pytest
 
+from wearfem.case import load_any_case
 from wearfem.errors import UserError
-from wearfem.history import cycles_of, read_cycle, read_history
+from wearfem.history import computing_of, cycles_of, read_cycle, read_history
+from wearfem.life import live
 from wearfem.material import Material
 from wearfem.proofs.cycle import differences
 from wearfem.run import resume_run, run_case
@@ -198,3 +200,24 @@ def test_another_process_at_work_is_noticed(run):
     state, report = read_cycle(run, cycles_of(run))
     with pytest.raises(UserError, match="another process is at work"):
         write_cycle(run, state, report, worn=state.now)
+
+
+def test_time_outside_the_flow_leaves_out_the_first_cycle(run):
+    """1.8 of 20 s: the first cycle, which may have compiled, is not in the share and is in the sum."""
+    for number in range(1, cycles_of(run) + 1):
+        with h5py.File(run / "cycles" / f"{number:04d}.h5", "a") as file:
+            attributes = {1: (100.0, 50.0), 2: (15.0, 14.0), 3: (5.0, 4.2)}
+            file.attrs["run_time"], file.attrs["flow_time"] = attributes.get(number, (0.0, 0.0))
+    told = computing_of(run)
+    assert told.total == 120.0
+    assert told.outside == pytest.approx(0.09, rel=1e-12)  # rounding
+    assert told.words().startswith("computing: 2 min 00 s in cycles; all but the flow ")
+    assert " took 9 % of it, the first cycle left out" in told.words()
+
+
+def test_a_run_tells_the_time_outside_the_flow(finished, capsys):
+    """What the clock of the cycles says; a flow by formula takes some time and not all of it."""
+    told = computing_of(finished[0])
+    assert 0.0 < told.flow < told.later < told.total
+    live(load_any_case(CASE, SETTINGS), finished[0], quiet=True)  # it is ended: nothing is computed again
+    assert told.words() in capsys.readouterr().out.splitlines()

@@ -15,7 +15,7 @@ import pytest
 from wearfem.case import load_any_case
 from wearfem.cycle import cycle, first_state
 from wearfem.errors import UserError
-from wearfem.history import History, history_of, read_history
+from wearfem.history import History, computing_of, history_of, read_history
 from wearfem.report_facts import (
     corrected_thickness,
     corrected_volume,
@@ -27,6 +27,7 @@ from wearfem.report_facts import (
 )
 from wearfem.report_page import write_report
 from wearfem.run import run_case
+from wearfem.sharpness import of_whole_face
 from wearfem.units import day, mm
 
 CASES = Path(__file__).parents[2] / "cases"
@@ -147,6 +148,30 @@ def test_the_page_is_whole_and_loads_nothing(finished):
         assert all(address.startswith(("http://www.w3.org/", "http://purl.org/")) for address in named), named
     for word in ("fetch(", "XMLHttpRequest", "import(", "@import", "url("):
         assert word not in text
+
+
+def test_what_smoothing_took_stands_beside_the_life(tmp_path):
+    """The same days on the page, in its figures and in the line that the run prints."""
+    keywords = {"cells": 10, "noise": 0.02, "tolerance": 0.004, "stop": 400 * day}
+    run_case(CASES / "stream_on_plate", keywords, tmp_path / "run", quiet=True)
+    case, history = load_any_case(CASES / "stream_on_plate", keywords), read_history(tmp_path / "run")
+    sharp, figures = of_whole_face(history, case), {f.name: f.value for f in write_report(tmp_path / "run")}
+    life = history.life[-1].time / day
+    text = Page((tmp_path / "run" / "report.html").read_text()).text
+    assert f"evened out over {case.smoothing_length / mm:.4g} mm" in text
+    for over, kept, error in zip(sharp.over, sharp.kept, sharp.error, strict=True):
+        change = (kept - 1.0) * life
+        assert f"{change:+.1f} ± {error * life:.1f} d over {over / mm:.4g} mm" in text
+        assert f"{change:+.1f} +- {error * life:.1f}" in sharp.words(history.life[-1].time)
+        name = f"change of the end of life, had the rate been smoothed over {over / mm:.3g} mm"
+        assert figures[name] == pytest.approx(change)
+        assert figures[f"{name}, standard error"] == pytest.approx(error * life)
+    assert (sharp.kept < 1.0).all()  # a stream with an edge: less smoothing wears deeper
+
+
+def test_the_page_tells_the_time_outside_the_flow(finished):
+    run, _ = finished
+    assert computing_of(run).words() in Page((run / "report.html").read_text()).text
 
 
 def test_the_view_has_the_faces_that_were_sampled(finished):

@@ -177,6 +177,15 @@ def _multiplied(
     return [Lived(*one, cycles) for one in zip(life.tolist(), cost.tolist(), strict=True)]
 
 
+class WornOut:
+    """Ends an integration over time where the first facet has lost what it may: an event of `solve_ivp`"""
+
+    terminal = True
+
+    def __call__(self, _: float, depth: np.ndarray) -> float:
+        return float(depth.max() - ALLOWED)
+
+
 def growing(decades: float = 0.5) -> Plant:
     """A rate that grows with depth, r = r0 exp(a d / D): life = D / (a r0) (1 - exp(-a))"""
     a = decades * np.log(10.0)
@@ -250,12 +259,8 @@ def field_with_feedback(facets: int = 200) -> Plant:
         around = wide @ depth / ALLOWED
         return base * np.exp(1.2 * around) * np.maximum(1.0 - 2.0 * (depth / ALLOWED - around), 0.0)
 
-    def worn_out(_: float, depth: np.ndarray) -> float:
-        return float(depth.max() - ALLOWED)
-
-    worn_out.terminal = True  # type: ignore[attr-defined]
     span = (0.0, 5.0 * ALLOWED / RATE)
-    truth = solve_ivp(lambda _, d: law(d), span, np.zeros(facets), events=worn_out, rtol=1e-9, atol=1e-12)
+    truth = solve_ivp(lambda _, d: law(d), span, np.zeros(facets), events=WornOut(), rtol=1e-9, atol=1e-12)
     return Plant("field with feedback", law, float(truth.t_events[0][0]), facets, spread=narrow)
 
 

@@ -4,6 +4,7 @@ import csv
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from io import StringIO
 from pathlib import Path
 
 import numpy as np
@@ -94,23 +95,51 @@ def read_table(path: Path) -> dict[str, list[str]]:
     Raises
     ------
     UserError
-        for a file that is missing, empty, without rows, or with rows longer than its header.
+        for a file that is missing, empty, no text, not separated by commas, without rows, or with rows longer than its header.
     """
-    if not path.is_file():
-        raise UserError(f"there is no file {path}; give the path of a CSV file with a header")
-    with path.open(encoding="utf-8-sig", newline="") as file:
-        rows = [row for row in csv.reader(line for line in file if not line.startswith("#")) if any(row)]
+    lines = StringIO(_text(path), newline="")
+    rows = [row for row in csv.reader(line for line in lines if not line.startswith("#")) if any(row)]
     if len(rows) < 2:
         raise UserError(f"{path} has no rows of data; expected a header and one row for each reading")
     names = [name.strip().lower() for name in rows[0]]
+    for mark, word in ((";", "semicolons"), ("\t", "tabs")):
+        if len(names) == 1 and mark in names[0]:
+            raise UserError(
+                f"{path} separates its values by {word}; a survey has commas between values and points in decimals: save it as CSV "
+                "with commas"
+            )
     if doubled := sorted({name for name in names if names.count(name) > 1}):
         raise UserError(f"{path} names the column {in_words(doubled)} twice; each name may stand once")
     for number, row in enumerate(rows[1:], start=2):
         if len(row) != len(names):
+            hint = (
+                "; a decimal has a point, and a text with a comma stands in quotes"
+                if len(row) > len(names)
+                else ""
+            )
             raise UserError(
-                f"row {number} of {path} has {len(row)} values; the header names {len(names)} columns"
+                f"row {number} of {path} has {len(row)} values; the header names {len(names)} columns{hint}"
             )
     return {name: [row[i].strip() for row in rows[1:]] for i, name in enumerate(names)}
+
+
+def _text(path: Path) -> str:
+    """What stands in a file, whole"""
+    if path.is_dir():
+        within = in_words(sorted(str(file) for file in path.rglob("*.csv"))[:5], "or")
+        raise UserError(f"{path} is a folder; give the path of a CSV file with a header (in it: {within})")
+    if not path.is_file():
+        raise UserError(f"there is no file {path}; give the path of a CSV file with a header")
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as file:
+            return file.read()
+    except UnicodeDecodeError as error:
+        raise UserError(
+            f"{path} is not text in UTF-8 (byte {error.start + 1} is 0x{error.object[error.start]:02x}); save it as CSV UTF-8, as "
+            "spreadsheets call it"
+        ) from error
+    except OSError as error:
+        raise UserError(f"{path} cannot be read ({error.strerror}); make it readable, or copy it") from error
 
 
 def numbers(path: Path, name: str, text: Sequence[str], *, empty: bool = False) -> np.ndarray:

@@ -139,6 +139,11 @@ def read_survey(path: Path, *, progress: str = "", exposure: Path | None = None)
             f"{path} has no column point; it has {in_words(list(table))}. A survey needs point, occasion, "
             "a progress (tonnage_kt, time_h, ...) and a measured column (thickness_mm, depth_mm, ...)"
         )
+    for name in sorted({"point", "occasion"} & set(table)):
+        if "" in table[name]:
+            raise UserError(
+                f"{path} has no {name} in data row {table[name].index('') + 1}; each reading belongs to one: name it, or drop the row"
+            )
     clock = _progress_column(path, table, progress.strip().lower())
     at = numbers(path, clock, table[clock])
     if (at < 0.0).any():
