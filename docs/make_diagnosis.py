@@ -1,8 +1,8 @@
-"""Measure what a diagnosis is worth: python docs/make_diagnosis.py [PROCESSES]
+"""Measure what a diagnosis is worth: python docs/make_diagnosis.py [PROCESSES [DESIGN ...]]
 
-Makes the trials that docs/diagnosis_trials.csv lacks (all of them take hours of one core; a killed run goes on where it was), and draws
-docs/pictures/diagnosis_degrades.png. With 0 for PROCESSES nothing is tried, and it is drawn from the trials that there are. Then
-`python docs/print_pages.py` puts the figures into the pages.
+Makes the trials that docs/diagnosis_trials.csv lacks (all of them take hours of one core; a killed run goes on where it was), of the
+designs named ("noise" "noise of neighbours") or of all, and draws docs/pictures/diagnosis_degrades.png. With 0 for PROCESSES nothing is
+tried, and it is drawn from the trials that there are. Then `python docs/print_pages.py` puts the figures into the pages.
 """
 
 import sys
@@ -24,8 +24,12 @@ GREEN, GREY, RED = "#2e7d4f", "#c9c9c9", "#b3352b"
 def main() -> None:
     """Measure, draw, and say so."""
     processes = int(sys.argv[1]) if len(sys.argv) > 1 else 1
+    known = {design.name: design for design in designs()}
+    asked = sys.argv[2:] or list(known)
+    if missing := set(asked) - set(known):
+        sys.exit(f"there is no design {', '.join(sorted(missing))}; there are {', '.join(known)}")
     if processes:
-        for row in measure(TRIALS, designs(), processes):
+        for row in measure(TRIALS, [known[name] for name in asked], processes):
             print(
                 row.design,
                 row.trial.plant,
