@@ -37,6 +37,7 @@ from wearfem.survey.words import (
     end_words,
     first_points,
     limit_words,
+    more_words,
     progress_unit,
     says,
 )
@@ -106,6 +107,7 @@ def compose(found: Diagnosis, ahead: Forecast, tested: BackTest, read: Sequence[
         title=Path(survey.source).stem if Path(survey.source).stem != "survey" else _folder(survey.source),
         verdict=VERDICT[found.verdict],
         plain=plain_words(found),
+        more=more_words(found) if found.effects and found.more_than_noise else "",
         errors=_errors(found),
         error_picture=draw_errors(_errors(found), found.noise_floor, unit),
         readings_picture=draw_readings(found),

@@ -95,8 +95,14 @@ def test_the_command_writes_what_the_design_says(tmp_path, capsys):
     assert "OreHardness" in capsys.readouterr().out
     written = json.loads((tmp_path / "out" / "diagnosis.json").read_text())
     assert set(written) == {
-        "baseline", "straight_line", "improved", "noise_floor", "verdict", "effects", "nuisance", "heldout",
+        "baseline", "straight_line", "improved", "noise_floor", "verdict", "effects", "nuisance", "heldout", "left_over",
     }  # fmt: skip
+    assert written["left_over"]["noise"] and written["left_over"]["level"] == 0.01
+    assert (
+        min(test["p"] for test in written["left_over"]["tests"])
+        == written["left_over"]["tests"][0]["p"]
+        > 0.01
+    )
     assert set(written["baseline"]) == {"train_rmse", "heldout_rmse", "chi2_per_dof"}
     assert set(written["effects"][0]) == {
         "name", "parameters", "probability", "indistinguishable_from", "suggested_measurement",

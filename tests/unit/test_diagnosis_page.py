@@ -2,6 +2,7 @@
 
 import base64
 import re
+from dataclasses import replace
 
 import browser
 import numpy as np
@@ -15,7 +16,9 @@ from wearfem.proofs.survey_life import plants
 from wearfem.survey.backtest import BackTest, back_test
 from wearfem.survey.diagnose import diagnose
 from wearfem.survey.forecast import forecast
+from wearfem.survey.residual import NoiseTest
 from wearfem.survey.survey import read_survey
+from wearfem.survey.words import diagnosis_lines, diagnosis_values
 
 SECTIONS = (
     "words", "data", "model", "residual", "suspects", "found", "errors", "nuisances", "forecast", "backtest", "next",
@@ -57,6 +60,19 @@ def test_the_page_tells_the_story_in_order_with_its_figures(gradient):
     assert "SHA-256 of survey.csv" in page.text and "seed" in page.text
     for effect in found.effects:
         assert effect.name in page.text
+
+
+def test_what_an_effect_leaves_is_told_first(gradient):
+    file, found, ahead, tested = gradient
+    assert not found.more_than_noise and 'id="more"' not in file.read_text()
+    for p, more in ((2e-2, False), (3e-7, True)):  # the level is 0.01
+        left = replace(found, tests_after=(NoiseTest("date", 40.0, 4, p), *found.tests_after))
+        text = compose(left, ahead, tested, [])
+        spoken = " ".join(" ".join(diagnosis_lines(left)).split())
+        assert diagnosis_values(left)["left_over"]["noise"] is not more
+        assert diagnosis_values(left)["verdict"] == found.verdict  # the four verdicts stay what they are
+        for told in (Page(text[: text.index('id="data"')]).text, spoken):
+            assert ("more than noise (p < 3e-07, most with date)" in told) is more
 
 
 def test_the_page_loads_nothing(gradient):

@@ -159,3 +159,18 @@ def test_a_survey_without_wear_is_refused(tmp_path):
     survey = read_survey(written(tmp_path, GOOD + "A,1,10,0\nA,2,20,0\n"))
     with pytest.raises(UserError, match="shows no wear"):
         calibrate(survey)
+
+
+def test_a_folder_is_told_what_a_survey_is(tmp_path):
+    with pytest.raises(
+        UserError,
+        match="is a folder, and a survey is a CSV file, one row a reading: .* no CSV file lies in it",
+    ):
+        read_survey(tmp_path)
+    (tmp_path / "measured").mkdir()
+    for number in range(8):
+        written(tmp_path / "measured", GOOD, f"s{number}.csv")
+    with pytest.raises(
+        UserError, match=r"in it: measured/s0.csv, .*measured/s5.csv and 2 more\. Give a survey"
+    ):
+        read_survey(tmp_path)

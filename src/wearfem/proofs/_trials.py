@@ -58,7 +58,7 @@ def designs() -> list[Design]:
     """What the tables are made of."""
     every, apart = plants().NAMES, plants().SEPARABLE
     told = [name for name in apart if name != "impact_angle"]  # whose curve has no parameter of the plant
-    noise, reading = range(1000, 1200), (71,)
+    noise, reading, few = range(1000, 1200), (71,), {"points": 24, "occasions": 6}
     return [
         Design("whole", every, range(63, 65)),
         Design("hard", apart, range(63, 65), HARD),
@@ -66,8 +66,9 @@ def designs() -> list[Design]:
         Design("noise of places and dates", ("none",), noise, CARELESS),
         Design("noise of neighbours", ("bent_scans",), noise),
         Design("points elsewhere", ("elsewhere",), noise),
-        Design("given", told, range(3100, 3200), {"points": 24, "occasions": 6}, given=True),
-        *(Design(f"{at:g} mm", apart, reading, {"noise": at, "points": 24, "occasions": 6}) for at in NOISES),
+        Design("given", told, range(3100, 3200), few, given=True),
+        Design("given again", ("temperature", "ore_change", "build_up"), range(6000, 6200), few, given=True),
+        *(Design(f"{at:g} mm", apart, reading, {"noise": at} | few) for at in NOISES),
         *(Design(f"{p} x {o}", apart, reading, {"points": p, "occasions": o}) for p, o in READINGS[:-1]),
     ]
 

@@ -17,7 +17,7 @@ from wearfem.wear.effects import Corrosion, FactorCurve
 
 Suspect = FactorEffect | Corrosion
 KNOTS = 5  # of a free curve
-GRID = 16  # places along each side of a plan where the middle of a patch may lie
+GRID = 8  # places from point to point, along each side of a plan, where the middle of a patch may lie
 CURVE_STEP = 0.4  # [-] standard deviation of the logarithm of a free curve from knot to knot
 CURVE_PENALTY = 2.0  # nats: a curve that nobody can name must be 7 times more probable than an effect
 
@@ -54,6 +54,9 @@ class Candidate:
     share
         (k,) prior probability of each entry of a list (which points a patch covers) that the last coordinate numbers; none without a
         list. That coordinate stays where a start has put it, and the evidence is summed over the list.
+    covers
+        (k, l) plates that each entry acts on, where it does nothing to others and the same to all; entry k acts on every plate and
+        entry k + 1 on none. So the readings of any entry follow from those two. Empty where entries are of another kind.
     """
 
     name: str
@@ -64,6 +67,7 @@ class Candidate:
     penalty: float = 0.0
     twin: str = ""
     share: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    covers: np.ndarray = field(default_factory=lambda: np.zeros((0, 0), bool))
 
     @property
     def frozen(self) -> int:
@@ -271,48 +275,72 @@ def by_place(past: History) -> list[Candidate]:
             )
         )  # fmt: skip
     if len(place) >= 8:
-        found.append(_patch(place, float(past.begin.min()), float(past.end.max())))
+        found.append(_patch(position, float(past.begin.min()), float(past.end.max())))
     return found
 
 
-def _patch(place: np.ndarray, first: float, last: float) -> Candidate:
+def _patch(position: np.ndarray, first: float, last: float) -> Candidate:
     """A round patch about any place of a plan, that holds 2 to a third of the points; each set of points once.
 
-    Middles lie on a grid and at the points, and all radii are as probable; so a set of points is as probable as there are patches that
-    cover it and no other. It is there from the beginning, or from some progress between `first` and `last` on: three to two.
+    `position` (l, m, 3) of plates. The patch is there from the beginning, or from some progress between `first` and `last` on: three
+    to two.
     """
-    patches: dict[bytes, tuple[np.ndarray, float]] = {}
-    weight: dict[bytes, float] = {}
-    low, high = place.min(axis=0), place.max(axis=0)
-    grid = [np.linspace(a, b, GRID if b > a else 1).tolist() for a, b in zip(low, high, strict=True)]
-    centres = (
-        product(*grid) if min(len(axis) for axis in grid) == 1 else place
-    )  # a plan has a grid; in space, points do
-    for centre in np.concatenate([place, centres]):
-        away = np.linalg.norm(place - centre, axis=1)
-        far = np.sort(away)
-        for nearer, further in zip(far[1 : max(3, len(place) // 3)], far[2:], strict=False):
-            if further > nearer:
-                radius = 0.5 * float(nearer + further)
-                key = (away <= radius).tobytes()
-                patches.setdefault(key, (centre, radius))
-                weight[key] = weight.get(key, 0.0) + float(further - nearer)
-    all_patches = list(patches.values())
-    share = np.array(list(weight.values()))
+    place = np.unique(position[:, 0], axis=0)
+    middles, radii, share = _round_sets(place)
+    middles = np.concatenate([middles, np.tile(place.mean(axis=0), (2, 1))])
+    radii = np.append(radii, [2.0 * np.ptp(place, axis=0).sum(), 0.0])  # all of it
+    middles[-1] += 4.0 * np.ptp(place, axis=0)  # and nothing
     number = Free("patch", "-", lambda u: u)
 
     def build(value: Sequence[float]) -> Suspect:
-        centre, radius = all_patches[round(value[2])]
-        return library.BuildUp(
-            (float(centre[0]), float(centre[1]), float(centre[2])), radius, value[0], value[1]
-        )
+        x, y, z = middles[round(value[2])].tolist()
+        return library.BuildUp((x, y, z), float(radii[round(value[2])]), value[0], value[1])
 
+    covers = np.zeros((0, 0), bool)
+    if (position == position[:, :1]).all():
+        apart = np.linalg.norm(position[:, 0] - middles[:-2, None], axis=2)
+        covers = apart <= radii[:-2, None]
     later = between(first - 1.5 * (last - first), last)
     since = Free("since", "progress", lambda u: max(later(u), 0.0))
-    starts = product([-0.3], [0.0, 0.6, 1.1], np.arange(len(all_patches), dtype=float).tolist())
+    starts = product([-0.3], [0.0, 0.6, 1.1], np.arange(len(share), dtype=float).tolist())
     return Candidate(
-        "BuildUp", (Free("ratio", "-", between(0.0, 1.0)), since, number), build, starts, "position", share=share / share.sum(),
+        "BuildUp", (Free("ratio", "-", between(0.0, 1.0)), since, number), build, starts, "position", share=share, covers=covers,
     )  # fmt: skip
+
+
+def _round_sets(place: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Sets of 2 to a third of the places (p, 3) that a circle can hold without the others, each once: middles (k, 3), radii, shares (k,).
+
+    Middles lie on a grid that reaches half the spacing of points beyond the outermost (a liner does not end at its last marked point),
+    and at the points; all radii are as probable. So a set is as probable as there are patches that cover it and no other, and a set that
+    the grid misses has less than a cell of it.
+    """
+    low, high = place.min(axis=0), place.max(axis=0)
+    beyond = 0.5 * (high - low) / np.sqrt(len(place))
+    steps = int(np.ceil(GRID * np.sqrt(len(place))))
+    grid = [
+        np.linspace(a, b, steps if b > a else 1).tolist()
+        for a, b in zip(low - beyond, high + beyond, strict=True)
+    ]
+    flat = min(len(axis) for axis in grid) == 1  # a plan has a grid; in space, points do
+    middle = np.concatenate([place, product(*grid)]) if flat else place
+    away = np.linalg.norm(middle[:, None] - place, axis=2)
+    order = np.argsort(away, axis=1, kind="stable")
+    far = np.take_along_axis(away, order, 1)
+    middles, radii, weights = [], [], []
+    for count in range(2, min(max(3, len(place) // 3), len(place) - 1) + 1):
+        width = far[:, count] - far[:, count - 1]
+        held = np.zeros(away.shape, bool)
+        np.put_along_axis(held, order[:, :count], True, 1)
+        _, first, which = np.unique(
+            np.packbits(held[width > 0.0], axis=1), axis=0, return_index=True, return_inverse=True
+        )
+        own = np.flatnonzero(width > 0.0)[first]
+        middles.append(middle[own])
+        radii.append(0.5 * (far[own, count - 1] + far[own, count]))
+        weights.append(np.bincount(which.ravel(), width[width > 0.0]))
+    share = np.concatenate(weights)
+    return np.concatenate(middles), np.concatenate(radii), share / share.sum()
 
 
 def curves(past: History, depth: np.ndarray, knots: int = KNOTS) -> list[Candidate]:

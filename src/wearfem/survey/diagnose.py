@@ -103,6 +103,11 @@ class Diagnosis:
     heldout: HeldOut
     notes: tuple[str, ...]
 
+    @property
+    def more_than_noise(self) -> bool:
+        """Whether what the chosen model leaves still depends on some quantity: the first of `tests_after` is below the level"""
+        return bool(self.tests_after) and self.tests_after[0].p < NOISE_LEVEL
+
 
 def diagnose(survey: Survey, *, name_without: bool = True) -> Diagnosis:
     """Name what the model lacks, or say that nothing is lacking, or that it cannot be told.

@@ -7,7 +7,7 @@ of their prior. So a parameter costs what the data had to fix, and a shape that 
 **Source** MacKay, Neural Computation 4 (1992) 415-447, equation 2.6 (Occam factor).
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -357,13 +357,9 @@ class _Problem:
 
     def __init__(self, data: Readings, suspects: tuple[Candidate, ...]) -> None:
         self.data, self.suspects = data, suspects
-        still: list[int] = []
-        at = data.coefficients
-        for suspect in suspects:
-            at += len(suspect.free)
-            still += range(at - suspect.frozen, at)
-        self.size = at
-        self.moving = np.array([i for i in range(at) if i not in still])
+        size = data.coefficients + sum(len(suspect.free) for suspect in suspects)
+        still = [place for place, _ in self.lists]
+        self.moving = np.array([i for i in range(size) if i not in still])
 
     def depth(self, coordinate: np.ndarray) -> np.ndarray:
         return depths(self.data.past, model_at(self.data, self.suspects, coordinate))
@@ -373,18 +369,14 @@ class _Problem:
     ) -> tuple[np.ndarray, np.ndarray, float]:
         """What is looked for on lists, at the other coordinates: the mean depth (l, m) by the probability of the entries, its standard
         deviation (l, m), and the logarithm of the evidence of all entries, each times its prior probability, over that of the one here."""
-        lists: list[tuple[int, np.ndarray]] = []
-        at = self.data.coefficients
-        for suspect in self.suspects:
-            at += len(suspect.free)
-            lists += [(at - 1, suspect.share)] * suspect.frozen
+        lists = self.lists
         root = self.root(coordinate, spread) if lists else np.zeros((0, 0))
         mean, variance, total = depth, np.zeros_like(depth), 0.0
-        for place, share in lists:
-            others = np.tile(coordinate, (len(share), 1))
-            others[:, place] = np.arange(len(share))
-            half = np.array([0.5 * np.sum(self.residual(other, root) ** 2) for other in others])
-            belief = np.log(share) - half
+        for place, suspect in lists:
+            others = np.tile(coordinate, (len(suspect.share), 1))
+            others[:, place] = np.arange(len(others))
+            half = 0.5 * self.squares(others, root)
+            belief = np.log(suspect.share) - half
             sum_of_all = float(logsumexp(belief))
             total += sum_of_all + float(half[round(coordinate[place])])
             weight = np.exp(belief - sum_of_all)
@@ -394,6 +386,40 @@ class _Problem:
             variance = variance + np.tensordot(weight[likely], (told - middle) ** 2, 1)
             mean = mean + middle - depth
         return mean, np.sqrt(variance), total
+
+    @property
+    def lists(self) -> list[tuple[int, Candidate]]:
+        """Suspects that are looked for on a list, with the coordinate that numbers its entries"""
+        ends = self.data.coefficients + np.cumsum([len(suspect.free) for suspect in self.suspects], dtype=int)
+        return [(int(end) - 1, s) for end, s in zip(ends, self.suspects, strict=True) if s.frozen]
+
+    def changes(self, coordinates: np.ndarray, root: np.ndarray) -> Iterator[tuple[np.ndarray, ...]]:
+        """Whitened residuals of many coordinates (s, d), as b + E c: those of the same b and E together.
+
+        Yields rows (r,) of `coordinates`, b (n,), E (n, l), c (r, l). Where entries of a list cover plates, b is the residual where none
+        is covered, E what covering each plate adds, and c which are: no plate's wear depends on another's. Else E has no columns.
+        """
+        covering = [(place, suspect) for place, suspect in self.lists if len(suspect.covers)]
+        if not covering:
+            for row, own in enumerate(coordinates):
+                yield np.array([row]), self.residual(own, root), np.zeros((len(root), 0)), np.zeros((1, 0))
+            return
+        place, suspect = covering[0]
+        rest, which = np.unique(np.delete(coordinates, place, 1), axis=0, return_inverse=True)
+        plate = np.equal.outer(self.data.past.row_life, np.arange(suspect.covers.shape[1]))
+        for group, own in enumerate(rest):
+            rows = np.flatnonzero(which.ravel() == group)
+            ends = [self.depth(np.insert(own, place, len(suspect.share) + i)) for i in (0, 1)]
+            everywhere, nowhere = map(self.data.left, ends)
+            covered = suspect.covers[coordinates[rows, place].round().astype(int)].astype(float)
+            yield rows, root @ nowhere, root @ ((everywhere - nowhere)[:, None] * plate), covered
+
+    def squares(self, coordinates: np.ndarray, root: np.ndarray) -> np.ndarray:
+        """(s,) sums of squares of the whitened residuals of many coordinates (s, d)"""
+        found = np.empty(len(coordinates))
+        for rows, base, change, covered in self.changes(coordinates, root):
+            found[rows] = _square(base, change, covered)
+        return found
 
     def first(self, start: Fit | None) -> np.ndarray:
         known = np.zeros(self.data.coefficients) if start is None else start.coordinate
@@ -417,9 +443,12 @@ class _Problem:
         steps = 1e-3 * np.eye(len(at))
         tangent = np.linalg.qr(np.stack([plain.residual(at + step, root) - own for step in steps], axis=1))[0]
         own = own - tangent @ (tangent.T @ own)
-        change = np.stack([self.residual(begin, root) for begin in begins], axis=1) - own[:, None]
-        change -= tangent @ (tangent.T @ change)
-        gain = (own @ change) ** 2 / np.maximum((change**2).sum(axis=0), 1e-300)
+        gain = np.empty(len(begins))
+        for rows, base, change, covered in self.changes(np.array(begins), root):
+            base = base - own - tangent @ (tangent.T @ base)
+            change = change - tangent @ (tangent.T @ change)
+            along = own @ base + covered @ (own @ change)
+            gain[rows] = along**2 / np.maximum(_square(base, change, covered), 1e-300)
         return [begins[i] for i in np.argsort(-gain, kind="stable")[:SEARCHED]]
 
     def root(self, coordinate: np.ndarray, spread: Spread) -> np.ndarray:
@@ -457,3 +486,12 @@ class _Problem:
                 (self.residual(coordinate + step, root) - self.residual(coordinate - step, root)) / 2e-3
             )
         return np.stack(columns, axis=1)
+
+
+def _square(base: np.ndarray, change: np.ndarray, covered: np.ndarray) -> np.ndarray:
+    """(r,) |b + E c|^2 for b (n,), E (n, l) and each c of (r, l)"""
+    return (
+        base @ base
+        + 2.0 * covered @ (change.T @ base)
+        + ((covered @ (change.T @ change)) * covered).sum(axis=1)
+    )

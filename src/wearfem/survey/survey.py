@@ -25,6 +25,8 @@ KNOWN_AS = {  # other names of features
     "contact_pressure": "pressure",
 }
 
+LISTED = 6  # files that a refusal names
+
 
 @dataclass(frozen=True)
 class Survey:
@@ -133,6 +135,8 @@ def read_survey(path: Path, *, progress: str = "", exposure: Path | None = None)
     UserError
         for what cannot be read, in one sentence.
     """
+    if path.is_dir():
+        raise UserError(_folder_instead(path))
     table = read_table(path)
     if "point" not in table:
         raise UserError(
@@ -181,6 +185,21 @@ def read_survey(path: Path, *, progress: str = "", exposure: Path | None = None)
         life_point, life_start, np.ones(len(at)) if exposed is None else exposed, known, feature, str(path), replaced,
         _zones(path, table, point_names), mechanisms,
     )  # fmt: skip
+
+
+def _folder_instead(folder: Path) -> str:
+    """What to do where a folder was given for a survey"""
+    tables = sorted(
+        str(file.relative_to(folder))
+        for file in [*folder.glob("*.csv"), *folder.glob("*/*.csv"), *folder.glob("*/*/*.csv")]
+    )
+    more = [f"{len(tables) - LISTED} more"] if len(tables) > LISTED else []
+    lies = f"in it: {in_words(tables[:LISTED] + more)}" if tables else "no CSV file lies in it"
+    return (
+        f"{folder} is a folder, and a survey is a CSV file, one row a reading: point, occasion, service (tonnage_kt, time_h, ...) and what "
+        f"was read (thickness_mm, depth_mm, ...); {lies}. Give a survey, and the folder of a run "
+        "with --run beside it"
+    )
 
 
 def _progress_column(path: Path, table: Mapping[str, list[str]], asked: str) -> str:

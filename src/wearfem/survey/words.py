@@ -70,7 +70,7 @@ def diagnosis_lines(found: Diagnosis) -> list[str]:
             rows.append(
                 ("", f"without the held-out readings the choice would have been: {in_words(list(without))}")
             )
-    rows.append(("verdict", VERDICT[found.verdict]))
+    rows.append(("verdict", verdict_words(found)))
     course = found.survey.course
     if found.effects and course is not None and not course.follows_shape:
         rows.append(
@@ -92,6 +92,21 @@ VERDICT = {
     "cannot_tell": "cannot tell: something is missing, and more than one explanation fits these readings",
     "unexplained": "unexplained: something is missing that no effect of the library describes",
 }
+
+
+def verdict_words(found: Diagnosis) -> str:
+    """The verdict; where an effect was named and what it leaves is still more than noise, that too."""
+    words = VERDICT[found.verdict]
+    return f"{words}; but {more_words(found)}" if found.effects and found.more_than_noise else words
+
+
+def more_words(found: Diagnosis) -> str:
+    """That what was named is not all, where what is left is more than noise."""
+    first = found.tests_after[0]
+    return (
+        f"it is not all: what is left is more than noise ({_least(first)}, most with {first.quantity}), and nothing that was tried "
+        "explains that surely"
+    )
 
 
 def _read(survey: Survey) -> str:
@@ -142,8 +157,11 @@ def _noise(tests: Sequence[NoiseTest], named: bool) -> str:
     if first.p >= NOISE_LEVEL:
         return f"what is left is noise as far as can be seen (least p {first.p:.2g}, with {first.quantity})"
     strong = [t for t in tests if t.p < NOISE_LEVEL]
-    size = f"p < {max(first.p, 1e-99):.0e}" if first.p > 0.0 else "p < 1e-99"
-    return f"{size}; what is left depends most on {in_words([t.quantity for t in strong[:3]])}"
+    return f"{_least(first)}; what is left depends most on {in_words([t.quantity for t in strong[:3]])}"
+
+
+def _least(test: NoiseTest) -> str:
+    return f"p < {max(test.p, 1e-99):.0e}"
 
 
 def _doubt(doubt: Doubt) -> str:
@@ -221,6 +239,7 @@ def diagnosis_values(found: Diagnosis) -> dict[str, Any]:
             }
             for effect in found.effects
         ],
+        "left_over": {"noise": not found.more_than_noise, "level": NOISE_LEVEL, "tests": found.tests_after},
         "nuisance": {**found.nuisance, "doubted": found.doubts},
         "heldout": found.heldout,
     }
