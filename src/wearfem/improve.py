@@ -26,6 +26,8 @@ from wearfem.survey.identify import COEFFICIENT_PRIOR, Fit, Readings, fit, readi
 from wearfem.survey.in_service import Service, in_service, service
 from wearfem.survey.nuisance import SAMPLING, disturbance
 from wearfem.survey.survey import Survey
+from wearfem.wear.effect import Effect as CaseEffect
+from wearfem.wear.metal import Metal
 
 PART = 0.25  # of a standard deviation: a parameter that changes by less is the same
 ROUNDS = 6  # coupled runs at most
@@ -212,11 +214,11 @@ def improve(
     )
     if no_better:
         done = loop.repeat("coefficient", coefficient_alone)
-    along = exposed_by_run(survey, done[-1].run)
+    along, (improved, _) = exposed_by_run(survey, done[-1].run), case_of_run(done[-1].run)
     again = diagnose(along, name_without=False) if diagnose_again else None
     return Improvement(
         plain, found, held, done, score(given.only(keep), held, 0), before, loop.score(done[-1]), no_better,
-        own_sampling(along.only(keep), held), again,
+        own_sampling(along.only(keep), held, improved.effects), again,
     )  # fmt: skip
 
 
@@ -393,10 +395,33 @@ def at_mean(fitted: Fit) -> Fit:
     return replace(fitted, coordinate=drawn.mean(axis=0), deviation=np.cov(drawn.T))
 
 
-def own_sampling(along: Survey, held: np.ndarray) -> float:
-    """What a run does not know of its own depths [measured unit], root mean square over the readings held out."""
-    error = np.square(_own_errors(readings(along), 1.0)).sum(axis=1)
-    return float(np.sqrt(error[held].mean())) / along.measured_factor if held.any() else 0.0
+def own_sampling(along: Survey, held: np.ndarray, effects: Sequence[CaseEffect]) -> float:
+    """What a run does not know of its own depths [measured unit], root mean square over the readings held out.
+
+    Parameters
+    ----------
+    along
+        With the course of the run.
+    held
+        (n,) of its readings.
+    effects
+        Of the run: with E(d) of its metal and plain depths p = int dd / E, what a sample errs by, e of the growth of p, is E(d) e of d at
+        every later depth. A place that has come to softer metal has gone ahead by its error, too.
+    """
+    data = readings(along)
+    past, depth = data.past, depths(data.past, Model(1.0))
+    metal = Metal.known_by(effects, np.zeros(1), depth)
+    plain, factor = (
+        (depth, 1.0) if metal is None else (metal.plain_of(depth), metal.factor(depth)[:, :, None])
+    )
+    growth = np.diff(plain, axis=1, prepend=0.0)[:, :, None]
+    error = (factor * np.cumsum(growth * past.sampled, axis=1))[past.row_life, past.row_interval]
+    error = np.where(past.row_interval[:, None] < 0, 0.0, error)
+    return (
+        float(np.sqrt(np.square(error[held]).sum(axis=1).mean())) / along.measured_factor
+        if held.any()
+        else 0.0
+    )
 
 
 def _own_errors(data: Readings, factor: float) -> np.ndarray:
