@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 
 from wearfem.exposure import Foot, sampling
-from wearfem.improve import coefficient_alone
+from wearfem.improve import coefficient_alone, own_sampling
 from wearfem.survey.course import Course, Sampling, at_own_pace
 from wearfem.survey.diagnose import diagnose
 from wearfem.survey.history import Model, depths
 from wearfem.survey.identify import readings, small_spread
 from wearfem.survey.nuisance import SAMPLING, covariance, disturbance
 from wearfem.survey.survey import read_survey
+from wearfem.wear.effects import HardnessGradient
 from wearfem.wear.sampling import Sample
 
 POINTS, OCCASIONS, SAMPLES = 24, 7, 12
@@ -159,6 +160,29 @@ def test_a_coefficient_knows_what_the_run_does_not(tmp_path):
     # 60 draws tell a standard deviation to 9 %; three of these. Noise of each place by itself is counted in the scatter too: 5 % more
     assert np.sqrt(np.mean(deviation**2)) == pytest.approx(np.std(place), rel=0.32)
     assert abs(place.mean()) < 4.0 * np.std(place) / np.sqrt(60)  # and it is not biased: four standard errors
+
+
+@pytest.mark.parametrize("loss", [0.0, 40.0])
+def test_softer_metal_makes_more_of_what_a_run_does_not_know(tmp_path, loss):
+    """Sampled rates changed by hand, and the depths by the closed form of a gradient, p = d - g d^2 / 2; what the report tells beside it"""
+    survey = survey_along(tmp_path, run(), run().depth_at, np.random.default_rng(2), 0.01)
+    data = readings(survey)
+    past, depth = data.past, depths(data.past, Model(1.0))
+
+    def metal(plain):
+        return plain if loss == 0.0 else (1.0 - np.sqrt(1.0 - 2.0 * loss * plain)) / loss
+
+    growth = np.diff(depth - 0.5 * loss * depth**2, axis=1, prepend=0.0)
+    small, change = 1e-4, []
+    for mode in np.moveaxis(past.sampled, 2, 0):
+        there = metal(np.cumsum(growth * (1.0 + small * mode), axis=1))
+        change.append((there - metal(np.cumsum(growth, axis=1)))[past.row_life, past.row_interval] / small)
+    held = survey.progress > 50.0
+    expected = np.sqrt(np.square(change).sum(axis=0)[held].mean())
+    effects = (HardnessGradient(loss),) if loss else ()
+    # halves of rows of the metal's table, 1e-3 of its reach or 1 % of 1/E from row to row
+    assert own_sampling(survey, held, effects) * survey.measured_factor == pytest.approx(expected, rel=5e-3)
+    assert loss == 0.0 or own_sampling(survey, held, effects) > own_sampling(survey, held, ())
 
 
 def test_a_table_of_exposures_has_none(tmp_path):
