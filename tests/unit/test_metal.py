@@ -166,7 +166,7 @@ def test_noise_meets_a_known_border_as_a_plate_of_one_metal():
     )  # windows differ
 
 
-def test_begun_is_carried_and_a_stop_changes_nothing():
+def test_a_life_that_was_stopped_goes_on_in_the_known_metal():
     case, _ = plate(law="hardness_gradient", stop=20 * day, **QUIET)
     history = lived(case)
     assert history.life[-1].time == pytest.approx((ALLOWED - 25.0 * ALLOWED**2) / RATE, rel=CHANGE**2)
