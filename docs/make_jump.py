@@ -1,6 +1,6 @@
-"""What jumps promise and cost, written to docs/jump.json, which the pages print, and drawn in docs/pictures/jump_cost.png. Half an hour.
+"""What jumps promise and cost, written to docs/jump.json, which the pages print, and drawn in docs/pictures/jump_cost.png. Ten minutes.
 
-python docs/make_jump.py [--first 30000] [--lives 60] [--many 400]
+python docs/make_jump.py [--first 30000] [--lives 20] [--many 150]
 
 `--first` is the first seed: take one that nothing was developed on. `--lives` of every row of the table, `--many` beside multipliers.
 """
@@ -45,8 +45,8 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--first", type=int, default=30000)
-    parser.add_argument("--lives", type=int, default=60)
-    parser.add_argument("--many", type=int, default=400)
+    parser.add_argument("--lives", type=int, default=20)
+    parser.add_argument("--many", type=int, default=150)
     wish = parser.parse_args()
     found: dict[str, Any] = {"wearfem": __version__, **vars(wish)}
     few = range(wish.first, wish.first + wish.lives)

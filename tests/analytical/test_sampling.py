@@ -7,6 +7,7 @@ from wearfem.errors import UserError
 from wearfem.wear.sampling import (
     Sample,
     corrected_depth,
+    depth_at,
     inefficiency,
     lag_products,
     noise_density,
@@ -122,6 +123,12 @@ def test_the_liner_came_through_a_shape_when_the_rates_bring_it_there():
     )  # rounding
     # at its service time 9.9 the liner is 0.9 past the last shape, at its rate of 1.9
     assert corrected_depth(samples)[0] == pytest.approx(9.0 + 81.0 / 20.0 + 0.9 * 1.9, rel=1e-12)
+    for t in (0.0, 0.7, 2.0, 3.3, 9.0):  # a rate that is a straight line in time is met between shapes too
+        assert depth_at(samples, t) == pytest.approx(np.array([1.0, 2.0]) * (t + t**2 / 20.0), rel=1e-12)
+    assert depth_at(samples, 9.9)[0] == pytest.approx(
+        9.0 + 81.0 / 20.0 + 0.9 * 1.9, rel=1e-12
+    )  # the last rate stays
+    assert depth_at(samples[:1], 2.0)[0] == pytest.approx(2.0, rel=1e-12)
     without = [Sample(t, rate, 0.25) for t, rate in zip(told, rates, strict=True)]
     assert np.array_equal(passage(without)[0], told)
 

@@ -33,6 +33,7 @@ from wearfem.surface import Surface
 from wearfem.wear.effects import Overlay
 from wearfem.wear.jump import Goal, Jump
 from wearfem.wear.laws import Archard
+from wearfem.wear.metal import Metal
 from wearfem.wear.sampling import Sample
 
 STEEL = Material("steel", 7850.0, 80e9, 0.3)
@@ -225,7 +226,8 @@ def test_what_is_told_by_facet_follows_a_new_mesh():
     liner = plate(cells=(8, 4, 4), kind=Tetrahedra)
     facets = len(liner.mesh.wear)
     allowed = np.where(liner.mesh.node[liner.mesh.wear].mean(axis=1)[:, 0] < 0.1, 10e-3, np.inf)
-    worn = Worn(liner, np.full(facets, 4e-3), allowed, (Sample(0.0, np.full((4, facets), RATE), 1.0),))
+    metal = Metal.known_by((Overlay(4.3e-3, 3.0),), np.full(facets, 1e-3), allowed)
+    worn = Worn(liner, np.full(facets, 4e-3), allowed, (Sample(0.0, np.full((4, facets), RATE), 1.0),), metal)
     case = life_case(liner, goal=Goal(allowed), element_size=20e-3)
     moved, carried, event = _meshed_again(case, worn)
     assert event == f"meshed again, {len(moved.liner.mesh.element)} elements"
@@ -234,6 +236,8 @@ def test_what_is_told_by_facet_follows_a_new_mesh():
     assert moved.samples[0].rate.shape == (4, new)
     np.testing.assert_allclose(moved.samples[0].mean, RATE, rtol=1e-12)  # constants stay
     np.testing.assert_allclose(moved.receded, 4e-3, rtol=1e-9)  # constants stay
+    np.testing.assert_allclose(moved.metal.begun, 1e-3, rtol=1e-9)
+    np.testing.assert_allclose(moved.metal.factor(moved.receded), 3.0, rtol=1e-9)  # 5 mm: through the layer
     x = moved.liner.mesh.node[moved.liner.mesh.wear].mean(axis=1)[:, 0]
     assert np.isinf(moved.allowed_depth[x > 0.13]).all()
     np.testing.assert_allclose(moved.allowed_depth[x < 0.07], 10e-3, rtol=1e-9)

@@ -7,6 +7,7 @@ import pytest
 
 from wearfem.cycle import first_state
 from wearfem.proofs.cycle import ALLOWED, QUIET, RATE, lived, plate, untold
+from wearfem.report_facts import wear_by_zone
 from wearfem.units import day, mm
 from wearfem.wear.effect import Log
 from wearfem.wear.effects import BuildUp, Corrosion, FactorCurve, HardnessGradient, Overlay, RunningIn
@@ -166,7 +167,10 @@ def test_noise_meets_a_known_border_as_a_plate_of_one_metal():
     )  # windows differ
 
 
-def test_begun_is_carried_and_a_stop_changes_nothing():
+def test_a_life_that_was_stopped_goes_on_in_the_known_metal():
     case, _ = plate(law="hardness_gradient", stop=20 * day, **QUIET)
-    history = lived(case)
-    assert history.life[-1].time == pytest.approx((ALLOWED - 25.0 * ALLOWED**2) / RATE, rel=CHANGE**2)
+    history, life = lived(case), (ALLOWED - 25.0 * ALLOWED**2) / RATE
+    assert history.life[-1].time == pytest.approx(life, rel=CHANGE**2)
+    for zone in wear_by_zone(history, 0.9):
+        assert zone.end is not None
+        assert zone.end.time == pytest.approx(life, rel=CHANGE**2)
