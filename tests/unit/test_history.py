@@ -16,6 +16,7 @@ from wearfem.history import computing_of, cycles_of, read_cycle, read_history
 from wearfem.life import live
 from wearfem.material import Material
 from wearfem.proofs.cycle import differences
+from wearfem.record import alone
 from wearfem.run import resume_run, run_case
 from wearfem.values import read_value, write_value
 
@@ -221,3 +222,13 @@ def test_a_run_tells_the_time_outside_the_flow(finished, capsys):
     assert 0.0 < told.flow < told.later < told.total
     live(load_any_case(CASE, SETTINGS), finished[0], quiet=True)  # it is ended: nothing is computed again
     assert told.words() in capsys.readouterr().out.splitlines()
+
+
+def test_a_run_that_is_at_work_is_left_alone(run):
+    """A second process would write the same cycles, and the first would find them there and stop."""
+    before = sorted(path.name for path in run.rglob("*"))
+    with alone(run), pytest.raises(UserError, match="another process is at work"):
+        resume_run(run, quiet=True)
+    assert sorted(path.name for path in run.rglob("*")) == before
+    resume_run(run, quiet=True)  # and then it goes on
+    assert len(list(run.rglob("*"))) > len(before)
