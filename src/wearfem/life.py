@@ -115,7 +115,7 @@ def line(report: CycleReport, case: LifeCase, elapsed: float, state: State, resu
         Cycles that were done before it began.
     """
     jump, life = report.jump, report.life
-    left = life.time - report.service_time
+    left = min(life.time, case.stop.service_time) - report.service_time
     interval = report.end_error(case.goal.deviations)
     parts = [
         f"cycle {report.cycle:3d}",

@@ -13,7 +13,7 @@ import pytest
 from wearfem.case import load_any_case
 from wearfem.errors import UserError
 from wearfem.history import computing_of, cycles_of, read_cycle, read_history
-from wearfem.life import live
+from wearfem.life import line, live
 from wearfem.material import Material
 from wearfem.proofs.cycle import differences
 from wearfem.record import alone
@@ -232,3 +232,12 @@ def test_a_run_that_is_at_work_is_left_alone(run):
     assert sorted(path.name for path in run.rglob("*")) == before
     resume_run(run, quiet=True)  # and then it goes on
     assert len(list(run.rglob("*"))) > len(before)
+
+
+def test_time_to_run_ends_where_the_life_is_stopped(finished):
+    """After half of what is asked, in 10 s, 10 s are to come, though the liner would last far longer."""
+    report = read_history(finished[0]).reports[1]
+    case = load_any_case(CASE, SETTINGS | {"stop": 2.0 * report.service_time})
+    state, _ = read_cycle(finished[0], 2)
+    assert report.life.time > 3.0 * report.service_time
+    assert line(report, case, 10.0, state).endswith(", about 10 s to run")
