@@ -14,7 +14,7 @@ upper half costs a sixth of the whole.
 from dataclasses import dataclass, replace
 from math import ceil, degrees, radians
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from scipy.ndimage import uniform_filter1d
@@ -58,6 +58,8 @@ class Alike:
     and their mirror images see is known ten times better. Volume is kept but for differences between the areas of these facets.
     Rows before `first` do not wear: they are kept as new.
     """
+
+    needs: ClassVar[tuple[str, ...]] = ()  # no feature of the state
 
     row: np.ndarray  # (f,) along the flow
     alike: np.ndarray  # (f,)

@@ -351,8 +351,11 @@ def parts_of(folder: Path) -> ModuleType:
 def find_case(folder: Path) -> Path:
     """The `case.py` of a folder (or of the path to the file itself)."""
     file = folder if folder.name == "case.py" else folder / "case.py"
-    if file.is_file():
-        return file.resolve()
+    try:
+        if file.is_file():
+            return file.resolve()
+    except OSError as error:
+        raise UserError(f"{file} cannot be read ({error.strerror}): make its folder readable") from error
     existing = sorted(
         {str(path) for place in (file.parent.parent, Path("cases")) for path in _cases_in(place)}
     )

@@ -294,6 +294,8 @@ def _read(place: Path, work: Callable[[h5py.File], Any]) -> Any:
                     f"{place} was written by wearfem {written}, and this is {__version__}: use that version, or run the case again"
                 )
             return work(file)
+    except PermissionError as error:
+        raise UserError(f"{place} cannot be read (permission denied): make it readable") from error
     except (OSError, KeyError, RuntimeError, ValueError) as error:
         raise UserError(
             f"{place} is cut off or damaged ({error}): move it away, with all later cycles, and resume from the cycle before"

@@ -24,6 +24,7 @@ from wearfem.history import (
 )
 from wearfem.loads import FacetLoads
 from wearfem.progress import clock, progress
+from wearfem.record import alone
 from wearfem.sharpness import of_whole_face
 from wearfem.surface import Surface
 from wearfem.units import day, hour, minute, tonne
@@ -32,8 +33,14 @@ from wearfem.units import day, hour, minute, tonne
 def live(case: LifeCase, run: Path, quiet: bool = False) -> History:
     """Follow the life of a case to its end, from the beginning or from the last cycle that the run folder holds.
 
-    The first Ctrl-C lets the cycle end and be written; the second stops at once. Nothing that is written is lost by either.
+    The first Ctrl-C lets the cycle end and be written; the second stops at once. Nothing that is written is lost by either. While it
+    lives, no other process can go on with the same folder.
     """
+    with alone(run):
+        return _live(case, run, quiet)
+
+
+def _live(case: LifeCase, run: Path, quiet: bool) -> History:
     done = cycles_of(run)
     state = read_cycle(run, done)[0] if done else first_state(case)
     times = [service_time_of(run, number) for number in range(1, done + 1)]
@@ -108,7 +115,7 @@ def line(report: CycleReport, case: LifeCase, elapsed: float, state: State, resu
         Cycles that were done before it began.
     """
     jump, life = report.jump, report.life
-    left = life.time - report.service_time
+    left = min(life.time, case.stop.service_time) - report.service_time
     interval = report.end_error(case.goal.deviations)
     parts = [
         f"cycle {report.cycle:3d}",

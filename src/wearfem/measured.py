@@ -193,6 +193,11 @@ def improve_with_survey(
 
 
 def _folder(out: Path) -> None:
+    """Make a folder, or take one that is there and is no run's: its report would be written over."""
+    if (out / "manifest.json").exists():
+        raise UserError(
+            f"{out} is the folder of a run, whose report would be written over; give --out another folder"
+        )
     try:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:

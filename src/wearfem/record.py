@@ -4,6 +4,7 @@ Every file is written beside its place and renamed when it is complete, so that 
 leaves half a file under a final name.
 """
 
+import fcntl
 import json
 import os
 import platform
@@ -11,7 +12,7 @@ import re
 import subprocess
 import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import asdict, dataclass, fields, is_dataclass
 from datetime import UTC, datetime
 from hashlib import sha256
@@ -109,7 +110,11 @@ def read_manifest(run: Path) -> dict[str, Any]:
         raise UserError(
             f"{run} is no run folder, it has no manifest.json: give the folder that wearfem run wrote to"
         ) from None
-    except (OSError, ValueError, KeyError, TypeError) as error:
+    except OSError as error:
+        raise UserError(
+            f"{run / 'manifest.json'} cannot be read ({error.strerror}): make it readable"
+        ) from error
+    except (ValueError, KeyError, TypeError) as error:
         raise UserError(
             f"{run / 'manifest.json'} cannot be read ({error}): it was not written by wearfem run"
         ) from error
@@ -225,6 +230,28 @@ def require_writable(file: Path) -> None:
         raise UserError(f"{file} is a folder: give the name of a file in it")
     if not file.parent.is_dir() or not os.access(file.parent, os.W_OK | os.X_OK):
         raise UserError(f"cannot write {file}: {file.parent} must be a folder that exists and can be written")
+
+
+@contextmanager
+def alone(run: Path) -> Iterator[None]:
+    """Be the only process that goes on with a run; a file system that knows no locks lets all.
+
+    Raises
+    ------
+    UserError
+        where another process is at work on it.
+    """
+    with ExitStack() as held:
+        with suppress(OSError):
+            folder = os.open(run, os.O_RDONLY)
+            held.callback(os.close, folder)  # which ends the lock, as does a kill
+            try:
+                fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                raise UserError(
+                    f"another process is at work on {run}: let it finish, or stop it first; nothing was changed"
+                ) from None
+        yield
 
 
 def write_json(path: Path, content: Any) -> None:

@@ -94,7 +94,10 @@ def resume_run(run: Path, json_file: Path | None = None, quiet: bool = False) ->
         require_writable(json_file)
     case, begun = case_of_run(run)
     if begun["finished"] is not None:
-        raise UserError(f"the run in {run} is finished ({begun['finished']}): there is nothing to resume")
+        raise UserError(
+            f"the run in {run} is finished ({begun['finished']}): there is nothing to resume; with another keyword, such as a later stop, "
+            "run the case again"
+        )
     sweep(run)
     print(f"{case.name}: going on in {run}", flush=True)
     return _live(case, RunFolder(run), datetime.fromisoformat(begun["started"]), json_file, quiet)

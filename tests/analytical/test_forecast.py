@@ -26,7 +26,11 @@ def test_the_interval_holds_the_truth():
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(reason="lives of 64 equal facets are told some 0.7 % early, 0.5 % is asked", strict=True)
+@pytest.mark.xfail(
+    reason="lives of 64 equal facets are told some 0.6 % early, 0.5 % is asked: at this noise samples cannot tell equal facets from such "
+    "that differ by 0.5 %, whose lives are told as much too late (decision 0012)",
+    strict=True,
+)
 def test_the_first_of_many_equal_facets_is_told_in_time():
     for claim in proof.equal_facets(30):
         assert claim.holds, claim

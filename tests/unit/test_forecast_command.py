@@ -12,7 +12,16 @@ from click.testing import CliRunner
 from wearfem.cli import wearfem as command
 from wearfem.errors import UserError
 from wearfem.forecast import forecast
-from wearfem.foretell import Asked, asked_for, coefficient_error, forecast_run, foretell, mesh_error, quantity
+from wearfem.foretell import (
+    Asked,
+    asked_for,
+    coefficient_error,
+    forecast_lines,
+    forecast_run,
+    foretell,
+    mesh_error,
+    quantity,
+)
 from wearfem.history import read_history
 from wearfem.record import read_manifest
 from wearfem.report_facts import case_of_run
@@ -156,6 +165,30 @@ def test_the_case_that_was_run_is_found_again(run):
 def test_wishes_that_make_no_sense(run, asked, sentence):
     with pytest.raises(UserError, match=sentence):
         foretell(run, Asked(**asked))
+
+
+@pytest.mark.parametrize(
+    "content", ['[{"a": 1}]', '{"figure": 3}', "[3]", "3", '[{"figure": "end of life", "answer": {}}]']
+)
+def test_what_is_no_study_is_a_sentence(run, tmp_path, content):
+    (tmp_path / "converged.json").write_text(content)
+    with pytest.raises(UserError, match="tells no converged end of life"):
+        foretell(run, Asked(study=tmp_path))
+
+
+def test_a_life_that_has_ended_is_told_as_such(run, tmp_path):
+    """What is told of it is how surely its end is known; of one that goes on nothing of the kind is said."""
+    run_case(CASE, {"cells": 4, "tolerance": 0.05}, tmp_path / "ended", quiet=True)
+    said = [list(forecast_lines(foretell(one, Asked())))[1] for one in (tmp_path / "ended", run)]
+    assert said[0].startswith("this life was followed to its end")
+    assert said[1] == ""
+
+
+def test_a_file_in_a_run_is_no_run(run):
+    with pytest.raises(
+        UserError, match=r"manifest.json is no run folder, .* give the folder that wearfem run"
+    ):
+        foretell(run / "manifest.json", Asked())
 
 
 def test_prices_need_that_of_a_liner():

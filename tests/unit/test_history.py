@@ -13,9 +13,10 @@ import pytest
 from wearfem.case import load_any_case
 from wearfem.errors import UserError
 from wearfem.history import computing_of, cycles_of, read_cycle, read_history
-from wearfem.life import live
+from wearfem.life import line, live
 from wearfem.material import Material
 from wearfem.proofs.cycle import differences
+from wearfem.record import alone
 from wearfem.run import resume_run, run_case
 from wearfem.values import read_value, write_value
 
@@ -221,3 +222,22 @@ def test_a_run_tells_the_time_outside_the_flow(finished, capsys):
     assert 0.0 < told.flow < told.later < told.total
     live(load_any_case(CASE, SETTINGS), finished[0], quiet=True)  # it is ended: nothing is computed again
     assert told.words() in capsys.readouterr().out.splitlines()
+
+
+def test_a_run_that_is_at_work_is_left_alone(run):
+    """A second process would write the same cycles, and the first would find them there and stop."""
+    before = sorted(path.name for path in run.rglob("*"))
+    with alone(run), pytest.raises(UserError, match="another process is at work"):
+        resume_run(run, quiet=True)
+    assert sorted(path.name for path in run.rglob("*")) == before
+    resume_run(run, quiet=True)  # and then it goes on
+    assert len(list(run.rglob("*"))) > len(before)
+
+
+def test_time_to_run_ends_where_the_life_is_stopped(finished):
+    """After half of what is asked, in 10 s, 10 s are to come, though the liner would last far longer."""
+    report = read_history(finished[0]).reports[1]
+    case = load_any_case(CASE, SETTINGS | {"stop": 2.0 * report.service_time})
+    state, _ = read_cycle(finished[0], 2)
+    assert report.life.time > 3.0 * report.service_time
+    assert line(report, case, 10.0, state).endswith(", about 10 s to run")

@@ -37,6 +37,17 @@ def test_a_survey_with_an_exposure_of_its_own(tmp_path):
         command(tmp_path, survey=text)
 
 
+def test_the_report_of_a_run_is_not_written_over(tmp_path):
+    """The folder of a run has a report.html of its own."""
+    (tmp_path / "survey.csv").write_text(SURVEY)
+    (tmp_path / "life").mkdir()
+    (tmp_path / "life" / "manifest.json").write_text("{}")
+    words = ["diagnose", str(tmp_path / "survey.csv"), "--out", str(tmp_path / "life")]
+    with pytest.raises(UserError, match="life is the folder of a run, whose report would be written over"):
+        wearfem.main(words, standalone_mode=False)
+    assert [path.name for path in (tmp_path / "life").iterdir()] == ["manifest.json"]
+
+
 def test_an_output_folder_that_cannot_be(tmp_path):
     (tmp_path / "out").write_text("")
     with pytest.raises(UserError, match="give --out another folder"):

@@ -166,12 +166,15 @@ def test_what_smoothing_took_stands_beside_the_life(tmp_path):
         name = f"change of the end of life, had the rate been smoothed over {over / mm:.3g} mm"
         assert figures[name] == pytest.approx(change)
         assert figures[f"{name}, standard error"] == pytest.approx(error * life)
+    assert "followed to the service time that was asked; it goes on" in text
     assert (sharp.kept < 1.0).all()  # a stream with an edge: less smoothing wears deeper
 
 
 def test_the_page_tells_the_time_outside_the_flow(finished):
     run, _ = finished
-    assert computing_of(run).words() in Page((run / "report.html").read_text()).text
+    text = Page((run / "report.html").read_text()).text
+    assert computing_of(run).words() in text
+    assert "The life was followed to its end." in text
 
 
 def test_the_view_has_the_faces_that_were_sampled(finished):

@@ -95,6 +95,11 @@ GOOD = "point,occasion,tonnage_kt,depth_mm\n"
         (GOOD + "1,1,1,\n", "no value"),
         (GOOD + "1,1,-1,2\n", "below 0"),
         (GOOD + "1,1,1\n", "3 values"),
+        (GOOD + "1,1,1,2,5\n", "5 values; the header names 4 columns; a decimal has a point"),
+        (GOOD + ",1,1,2\n", "no point in data row 1"),
+        (GOOD + "1,,1,2\n", "no occasion in data row 1"),
+        (GOOD.replace(",", ";") + "1;1;1,5;2,5\n", "values by semicolons"),
+        (GOOD.replace(",", "\t") + "1\t1\t1.5\t2.5\n", "values by tabs"),
         ("point,occasion,tonnage_kt,depth_mm,sigma_mm\n1,1,1,2,0\n", "sigma of 0"),
         ("point,occasion,tonnage_kt,depth_mm,exposure\n1,1,1,2,-1\n", "exposures below 0"),
     ],
@@ -102,6 +107,31 @@ GOOD = "point,occasion,tonnage_kt,depth_mm\n"
 def test_what_cannot_be_read_is_refused_in_a_sentence(tmp_path, text, says):
     with pytest.raises(UserError, match=says):
         read_survey(written(tmp_path, text))
+
+
+@pytest.mark.parametrize(("coding", "byte"), [("latin-1", "0xfc"), ("utf-16", "0xff")])
+def test_a_file_in_another_coding_is_refused_in_a_sentence(tmp_path, coding, byte):
+    path = tmp_path / "survey.csv"
+    path.write_text(GOOD + "Mühle,1,1,2\n", encoding=coding)
+    with pytest.raises(UserError, match=f"not text in UTF-8 .*{byte}"):
+        read_survey(path)
+
+
+@pytest.mark.parametrize("newline", ["\n", "\r\n", "\r"])
+def test_what_spreadsheets_write_is_read(tmp_path, newline):
+    """With a byte order mark, any end of a line, blanks around commas, capitals in names, quotes."""
+    text = 'Point, Occasion ,TONNAGE_kt,depth_mm\n"Mühle, oben",1, 1 ,"2.5"\n"Mühle, oben",2,2,3.5\n'
+    path = tmp_path / "survey.csv"
+    path.write_text(text, encoding="utf-8-sig", newline=newline)
+    read = read_survey(path)
+    assert read.point_names == ("Mühle, oben",)
+    assert read.reading.tolist() == [2.5e-3, 3.5e-3]
+
+
+def test_a_folder_is_no_survey(tmp_path):
+    written(tmp_path, GOOD + "1,1,1,2\n")
+    with pytest.raises(UserError, match="is a folder; .*in it: .*csv"):
+        read_survey(tmp_path)
 
 
 def plain_survey(tmp_path, wrong=0.0, seed=1, k=2e-3):

@@ -125,14 +125,16 @@ def read_table(path: Path) -> dict[str, list[str]]:
 
 def _text(path: Path) -> str:
     """What stands in a file, whole"""
-    if path.is_dir():
-        within = in_words(sorted(str(file) for file in path.rglob("*.csv"))[:5], "or")
-        raise UserError(f"{path} is a folder; give the path of a CSV file with a header (in it: {within})")
-    if not path.is_file():
-        raise UserError(f"there is no file {path}; give the path of a CSV file with a header")
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
             return file.read()
+    except FileNotFoundError:
+        raise UserError(f"there is no file {path}; give the path of a CSV file with a header") from None
+    except IsADirectoryError:
+        within = in_words([str(file) for file in sorted(path.glob("*.csv"))[:5]], "or")
+        raise UserError(
+            f"{path} is a folder; give the path of a CSV file with a header (in it: {within})"
+        ) from None
     except UnicodeDecodeError as error:
         raise UserError(
             f"{path} is not text in UTF-8 (byte {error.start + 1} is 0x{error.object[error.start]:02x}); save it as CSV UTF-8, as "
