@@ -19,6 +19,7 @@ from wearfem.wear.effect import FactorEffect, all_factors
 from wearfem.wear.effects import BuildUp, Corrosion, OreChange, OreChangeByTime, Overlay
 
 CELLS = 240  # of the table over depth: error of the depth below 1e-4 for factors that change twofold over it
+EVEN = np.linspace(0.0, 1.0, CELLS + 1) ** 1.5  # its places: finer near the new surface
 GAUSS_AT = 0.5 + 0.5 * np.array([-np.sqrt(0.6), 0.0, np.sqrt(0.6)])
 GAUSS_WEIGHT = np.array([5.0, 8.0, 5.0]) / 18.0
 FEWEST_PLACES = 8  # over which a smooth function can be told from scatter
@@ -288,17 +289,18 @@ def _mean_factor(history: History, effects: Sequence[FactorEffect]) -> Any:
         return all_factors(effects, history.feature)
     edges = [history.begin, *(np.clip(at, history.begin, history.end) for at in breaks(effects)), history.end]
     length = history.end - history.begin
-    mean: Any = 0.0
+    books, parts = [], []
     for left, right in zip(edges, edges[1:], strict=False):
+        part = np.divide(right - left, length, out=np.zeros_like(length), where=length > 0.0)
         for at, weight in zip(GAUSS_AT, GAUSS_WEIGHT, strict=True):
-            book = left + at * (right - left)
-            part = np.divide(right - left, length, out=np.zeros_like(length), where=length > 0.0)
-            mean = mean + weight * part * _product_at(history, effects, book)
-    return mean
+            books.append(left + at * (right - left))
+            parts.append(weight * part)
+    factors = np.broadcast_to(_product_at(history, effects, np.array(books)), (len(books), *length.shape))
+    return sum(part * factor for part, factor in zip(parts, factors, strict=True))
 
 
 def _product_at(history: History, effects: Sequence[FactorEffect], book: np.ndarray) -> Any:
-    """(l, m) product of factors at a progress of the book; what runs in knows the progress of its own plate"""
+    """(..., l, m) product of factors at a progress of the book; what runs in knows the progress of its own plate"""
     product: Any = 1.0
     for effect in effects:
         dated = isinstance(effect, OreChange | OreChangeByTime) or "position" in effect.needs
@@ -318,10 +320,9 @@ def _against_depth(total: np.ndarray, effects: Sequence[FactorEffect]) -> np.nda
 
 def _table(most: float, effects: Sequence[FactorEffect]) -> np.ndarray:
     """Depths up to `most`, finer near the new surface, and where a factor jumps"""
-    edge = most * np.linspace(0.0, 1.0, CELLS + 1) ** 1.5
-    return np.unique(
-        np.append(edge, [e.thickness for e in effects if isinstance(e, Overlay) and e.thickness < most])
-    )
+    jumps = [e.thickness for e in effects if isinstance(e, Overlay) and e.thickness < most]
+    edge = most * EVEN
+    return np.unique(np.append(edge, jumps)) if jumps else edge
 
 
 def _along(course: Course, walked: np.ndarray, effects: Sequence[FactorEffect]) -> np.ndarray:
