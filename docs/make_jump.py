@@ -209,9 +209,14 @@ def picture() -> None:
 def draw(panel: Any, one: dict[str, Any], lives: int) -> None:
     """One plant"""
     marks = (
-        ("creeping", GREY, "s-", "constant multiplier, geometry creeps"),
-        ("equal jumps", ORANGE, "^-", "constant multiplier, equal jumps"),
-        ("wearfem", BLUE, "o-", f"wearfem, tolerance {', '.join(f'{100 * t:g}' for t in TOLERANCES)} %"),
+        ("creeping", GREY, "s-", f"constant multiplier, geometry creeps ({MULTIPLIED} lives a point)"),
+        ("equal jumps", ORANGE, "^-", f"constant multiplier, equal jumps ({MULTIPLIED} lives a point)"),
+        (
+            "wearfem",
+            BLUE,
+            "o-",
+            f"wearfem, tolerance {', '.join(f'{100 * t:g}' for t in TOLERANCES)} % ({lives} lives a point)",
+        ),
     )
     for name, colour, mark, words in marks:
         cost, error = np.array(one["prices"][name]).T
@@ -220,7 +225,7 @@ def draw(panel: Any, one: dict[str, Any], lives: int) -> None:
     panel.plot(cost, 100.0 * error, "o", color=BLUE, markersize=9)
     panel.axvline(one["floor"], color=BLACK, linewidth=0.8, linestyle="--", label="statistical floor for 2 %")
     panel.axhline(2.0, color=BLACK, linewidth=0.8, linestyle=":")
-    panel.set(title=f"{one['plant']}, {lives} lives a point", xlabel="simulated flow [s]")
+    panel.set(title=one["plant"], xlabel="simulated flow [s]")
     panel.spines[["top", "right"]].set_visible(False)
 
 
