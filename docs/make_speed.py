@@ -17,8 +17,8 @@ lists that made them fastest, of those tried.
 FOOT = """## What bounds it
 
 Measured once, in November 2026, on one 2-core machine with AVX-512, an otherwise idle core,
-5 000 spheres: sifting the
-listed pairs for those that touch takes 16 ns a particle-step, gathering them into lanes 15, the laws on 64 lanes 22, scattering forces 15, walls 20,
+5 000 spheres: sifting the listed pairs for those that touch takes 16 ns a particle-step, gathering them into
+lanes 15, the laws on 64 lanes 22, scattering forces 15, walls 20,
 moving 13. Only the 22 ns are arithmetic that fills the vectors; the rest is scalar loads and stores, 2.4 contacts a
 particle. Fewer roots and divisions in the laws, longer or shorter blocks, and sums kept in registers changed nothing
 that could be measured.
