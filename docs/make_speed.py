@@ -16,13 +16,15 @@ lists that made them fastest, of those tried.
 
 FOOT = """## What bounds it
 
-One 2-core machine with AVX-512, an otherwise idle core, 5 000 spheres: sifting the listed pairs for those that touch
-takes 16 ns a particle-step, gathering them into lanes 15, the laws on 64 lanes 22, scattering forces 15, walls 20,
+Measured once, in November 2026, on one 2-core machine with AVX-512, an otherwise idle core,
+5 000 spheres: sifting the listed pairs for those that touch takes 16 ns a particle-step, gathering them into
+lanes 15, the laws on 64 lanes 22, scattering forces 15, walls 20,
 moving 13. Only the 22 ns are arithmetic that fills the vectors; the rest is scalar loads and stores, 2.4 contacts a
 particle. Fewer roots and divisions in the laws, longer or shorter blocks, and sums kept in registers changed nothing
 that could be measured.
 
-The aim is 1.6 times LIGGGHTS on settled beds with two threads. In three sittings of one day medians were 1.57, 1.47 and
+The aim is 1.6 times LIGGGHTS on settled beds with two threads. In three sittings of one day (22 November 2026,
+`./dev bench`) medians were 1.57, 1.47 and
 1.45 for 5 000 spheres (missed), 1.62, 1.86 and 1.67 for 20 000, and 1.63 for 100 000 (one sitting); the plate with
 wear, where the aim is 2, 2.39 (one sitting). Single rounds scatter by a third, because the machine is shared.
 """

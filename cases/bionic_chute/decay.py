@@ -157,6 +157,12 @@ def change_is_real() -> str:
     )
 
 
+def when_new() -> str:
+    """What the convexes save before any has worn; words."""
+    first, smooth = read()[0], smooth_rate()
+    return f"{100.0 * (1.0 - first.rate / smooth):.1f} +- {100.0 * WIDE * first.error / smooth:.1f} %"
+
+
 def main() -> None:
     """Live, then tell."""
     parser = argparse.ArgumentParser(description=__doc__)
