@@ -21,13 +21,10 @@ def test_a_set_of_points_is_as_probable_as_patches_thrown_at_random_that_cover_i
     patch = suspect(readings(surveyed(plant, 4)), "BuildUp")
     low, high = plant.point.min(axis=0), plant.point.max(axis=0)
     random = np.random.default_rng(3)
-    grid = (
-        np.array(np.meshgrid(*(np.linspace(a, b, 16) for a, b in zip(low[:2], high[:2], strict=True))))
-        .reshape(2, -1)
-        .T
-    )
-    centres = np.concatenate([plant.point[:, :2], grid])
-    centre = centres[random.integers(len(centres), size=40000)]
+    beyond = 0.5 * (high - low) / np.sqrt(12)  # a liner does not end at its last marked point
+    centre = random.uniform(low - beyond, high + beyond, (40000, 3))[:, :2]
+    at_points = random.uniform(size=40000) < 12 / (12 + 28**2)  # 28 middles a side, 8 from point to point
+    centre[at_points] = plant.point[random.integers(12, size=at_points.sum()), :2]
     radius = random.uniform(0.0, np.linalg.norm(high - low), (40000, 1))
     inside = np.linalg.norm(plant.point[None, :, :2] - centre[:, None], axis=2) <= radius
     kept = inside[(inside.sum(axis=1) >= 2) & (inside.sum(axis=1) <= 4)]  # 2 to a third of the points
@@ -41,9 +38,8 @@ def test_a_set_of_points_is_as_probable_as_patches_thrown_at_random_that_cover_i
         covered = np.linalg.norm(plant.point - np.array(effect.centre), axis=1) <= effect.radius
         count = thrown.get(covered.tobytes(), 0)
         expected = patch.share[entry] * len(kept)
-        assert abs(count - expected) < 4.0 * np.sqrt(
-            expected
-        )  # standard deviations of a count; 10 of them are looked at
+        # standard deviations of a count, 10 of them are looked at; and what a grid of middles, not a plan, errs by
+        assert abs(count - expected) < 4.0 * np.sqrt(expected) + 0.03 * expected
 
 
 def test_points_at_the_border_of_a_patch_that_are_not_fitted_are_told():
