@@ -28,7 +28,14 @@ ERRORS = (
     "in the loop",
     "run's own sampling",
 )  # [mm]
-PLANTS = (("hardness_gradient", 1), ("case_hardened", 2), ("ore_change", 3), ("nothing", 4))
+PLANTS = (
+    ("hardness_gradient", 1),
+    ("case_hardened", 2),
+    ("ore_change", 3),
+    ("nothing", 4),
+    ("case_hardened", 5),
+    ("hardness_gradient", 6),
+)
 
 
 def row(done: Improvement, hidden: str, seed: int) -> dict[str, Any]:
