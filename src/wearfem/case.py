@@ -297,6 +297,12 @@ class LifeCase:
                 raise UserError(
                     f"case {self.name} has {name} = {getattr(self, name)!r} {unit}: it must be above 0"
                 )
+        for effect in self.effects:
+            if not hasattr(effect, "needs"):
+                raise UserError(
+                    f"case {self.name} has the effect {type(effect).__name__}, which does not say what it needs: give it `needs`, a tuple of "
+                    "names of features such as depth or pressure, empty where it needs none; effects of the flow act before smoothing"
+                )
         if not self.stop.service_time > self.liner.service_time:
             raise UserError(
                 f"case {self.name} stops at {self.stop.service_time:g} s of service, but its liner has served {self.liner.service_time:g} s"

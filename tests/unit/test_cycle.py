@@ -300,6 +300,7 @@ def test_goals_by_thickness():
         ({"warm_up": -1.0}, "warm_up = -1.0 s: it must be 0 or more"),
         ({"particle_radius": 0.0}, "particle_radius = 0.0 m: it must be above 0"),
         ({"stop": Stop(service_time=0.0)}, "stops at 0 s of service"),
+        ({"effects": (object(),)}, "the effect object, which does not say what it needs"),
     ],
 )
 def test_a_case_that_cannot_run_is_refused(changes, sentence):
