@@ -300,8 +300,8 @@ class LifeCase:
         for effect in self.effects:
             if not hasattr(effect, "needs"):
                 raise UserError(
-                    f"case {self.name} has the effect {type(effect).__name__}, which does not say what it needs: give it `needs`, a tuple of "
-                    "names of features such as depth or pressure, empty where it needs none; effects of the flow act before smoothing"
+                    f"case {self.name} has the effect {type(effect).__name__}, which does not say what it needs: give it `needs`, a tuple "
+                    "of names of features such as depth or pressure, empty where it needs none; effects of the flow act before smoothing"
                 )
         if not self.stop.service_time > self.liner.service_time:
             raise UserError(
