@@ -128,10 +128,10 @@ def test_what_spreadsheets_write_is_read(tmp_path, newline):
     assert read.reading.tolist() == [2.5e-3, 3.5e-3]
 
 
-def test_a_folder_is_no_survey(tmp_path):
-    written(tmp_path, GOOD + "1,1,1,2\n")
+def test_a_folder_is_no_table_of_exposures(tmp_path):
+    survey = written(tmp_path, GOOD + "1,1,1,2\n")
     with pytest.raises(UserError, match="is a folder; .*in it: .*csv"):
-        read_survey(tmp_path)
+        read_survey(survey, exposure=tmp_path)
 
 
 def plain_survey(tmp_path, wrong=0.0, seed=1, k=2e-3):
