@@ -88,11 +88,11 @@ class Computing:
 
 
 def computing_of(run: Path) -> Computing:
-    """Where the computing time of a run went, by the clock of its cycles"""
+    """Where the computing time of a run went, by the clock of its cycles; not a number where a run of before did not tell"""
     spent = []
     for number in range(1, cycles_of(run) + 1):
         with h5py.File(run / CYCLES / f"{number:04d}.h5", "r") as file:
-            spent.append([float(file.attrs[name]) for name in ("run_time", "flow_time")])
+            spent.append([float(file.attrs.get(name, np.nan)) for name in ("run_time", "flow_time")])
     total, flow = np.array(spent)[:, 0], np.array(spent)[1:, 1]
     return Computing(float(total.sum()), float(total[1:].sum()), float(flow.sum()))
 

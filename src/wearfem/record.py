@@ -4,7 +4,6 @@ Every file is written beside its place and renamed when it is complete, so that 
 leaves half a file under a final name.
 """
 
-import fcntl
 import json
 import os
 import platform
@@ -242,7 +241,9 @@ def alone(run: Path) -> Iterator[None]:
         where another process is at work on it.
     """
     with ExitStack() as held:
-        with suppress(OSError):
+        with suppress(OSError, ImportError):
+            import fcntl  # which Windows does not have
+
             folder = os.open(run, os.O_RDONLY)
             held.callback(os.close, folder)  # which ends the lock, as does a kill
             try:
