@@ -222,8 +222,10 @@ def costs(plant: Plant, seeds: Sequence[int] = range(60)) -> Iterator[Claim]:
         "floor: samples at fixed geometry and one warm-up",
     )  # fmt: skip
     yield Claim(
-        f"cost over that of the best multiplier found in hindsight, {name}", "at most 1.2 is asked", 1.0, found.as_run[0], "-", 0.2,
-        False, f"+- {found.as_run[1]:.2f}; the best of creeping and stepping multipliers, from fits to four prices each",
+        f"cost over that of the best multiplier found in hindsight, {name}", "at most 1.2 is asked", 1.0, found.as_run[0], "-",
+        0.2 + 2.0 * found.as_run[1], False,
+        f"+- {found.as_run[1]:.2f}, two of which are allowed beside 1.2; the best of creeping and stepping multipliers, from fits to four "
+        "prices each; decision 0006 has more lives",
     )  # fmt: skip
     yield Claim(
         f"the same at the same error, {name}", "at most 1.2 is asked", 1.0, found.same_error[0], "-", np.inf, False,
