@@ -9,6 +9,7 @@ reaches to 64.15 degrees: the arc here ends at 65.
 from dataclasses import replace
 from math import cos, sin, tan
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from gmsh_model import NEAR, Where, either, empty_model, everything, flat, mesh_of
@@ -89,7 +90,12 @@ def profile(width: float, side: float, slope: float, thickness: float) -> tuple[
         (half + miter, -thickness),
         (reach[0] + thickness * sin(slope), reach[1] - thickness * cos(slope)),
     ]
-    return tuple([(-y, z) for y, z in line[::-1]] + line for line in (inner, outer))  # type: ignore[return-value]
+    return _mirrored(inner), _mirrored(outer)
+
+
+def _mirrored(line: Profile) -> Profile:
+    """From the border at the other side to this one"""
+    return [(-y, z) for y, z in line[::-1]] + line
 
 
 def bent(straight: np.ndarray, radius: float, turn: float, entry: float) -> np.ndarray:
@@ -107,8 +113,8 @@ def bent(straight: np.ndarray, radius: float, turn: float, entry: float) -> np.n
     )
 
 
-def _section(gmsh: object, line: Profile, closed: bool = False) -> list[tuple[int, int]]:
-    occ = gmsh.model.occ  # type: ignore[attr-defined]
+def _section(gmsh: Any, line: Profile, closed: bool = False) -> list[tuple[int, int]]:
+    occ = gmsh.model.occ
     point = [occ.addPoint(0, y, z) for y, z in line]
     point += point[:1] if closed else []
     edge = [occ.addLine(a, b) for a, b in zip(point, point[1:], strict=False)]

@@ -203,7 +203,7 @@ def compare(plant: Plant, ours: Way, others: Sequence[Way], asked: int, draws: i
     return Comparison(*told)
 
 
-def costs(plant: Plant, seeds: Sequence[int] = range(60)) -> Iterator[Claim]:
+def costs(plant: Plant, seeds: Sequence[int] = range(150)) -> Iterator[Claim]:
     """The controller without hand tuning beside the floor and the best constant multiplier in hindsight"""
     ours = by_tolerance(plant, TOLERANCES, seeds)
     found = compare(
@@ -222,10 +222,8 @@ def costs(plant: Plant, seeds: Sequence[int] = range(60)) -> Iterator[Claim]:
         "floor: samples at fixed geometry and one warm-up",
     )  # fmt: skip
     yield Claim(
-        f"cost over that of the best multiplier found in hindsight, {name}", "at most 1.2 is asked", 1.0, found.as_run[0], "-",
-        0.2 + 2.0 * found.as_run[1], False,
-        f"+- {found.as_run[1]:.2f}, two of which are allowed beside 1.2; the best of creeping and stepping multipliers, from fits to four "
-        "prices each; decision 0006 has more lives",
+        f"cost over that of the best multiplier found in hindsight, {name}", "at most 1.2 is asked", 1.0, found.as_run[0], "-", 0.2,
+        False, f"+- {found.as_run[1]:.2f}; the best of creeping and stepping multipliers, from fits to four prices each",
     )  # fmt: skip
     yield Claim(
         f"the same at the same error, {name}", "at most 1.2 is asked", 1.0, found.same_error[0], "-", np.inf, False,
